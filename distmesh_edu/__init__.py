@@ -1,0 +1,1 @@
+"""Mesh generation with signed distance functions."""
