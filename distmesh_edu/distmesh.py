@@ -1,0 +1,409 @@
+"""DistMesh in the plane: a truss that relaxes, retriangulated as it moves, held by a distance.
+
+The algorithm of Persson and Strang in the eight steps of section 5.5 of the thesis, one function
+a step, with the five corrections that the book's errata prove necessary.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.spatial import Delaunay, QhullError, cKDTree
+
+from ._types import ArrayLike, Field, FloatArray, IntArray
+from ._validation import as_bbox, as_field, as_points, as_positive, evaluate
+from .mesh import HISTORY, ConvergenceWarning, Mesh, radius_ratio, unique_edges
+
+
+@dataclass(frozen=True)
+class _Region:
+    """What is to be meshed: the fields, checked whenever they are asked, and the sizes."""
+
+    fd: Field
+    fh: Field | None
+    h0: float
+    bbox: FloatArray
+    pfix: FloatArray
+
+    @property
+    def geps(self) -> float:
+        """How far outside a point may lie and still count as inside (length)."""
+        return 1e-3 * self.h0
+
+    def distance(self, p: FloatArray) -> FloatArray:
+        return evaluate("fd", self.fd, p)
+
+    def size(self, p: FloatArray) -> FloatArray:
+        if self.fh is None:
+            return np.ones(len(p))
+        h = evaluate("fh", self.fh, p)
+        if h.size and h.min() <= 0:
+            raise ValueError(
+                f"fh must be positive wherever the mesh goes; it is {h.min():g} at "
+                f"{p[int(h.argmin())].tolist()}. Bound it from below, as in "
+                "lambda p: np.maximum(fh(p), smallest)."
+            )
+        return h
+
+
+def distmesh2d(
+    fd: Field,
+    fh: Field | None,
+    h0: float,
+    bbox: ArrayLike,
+    pfix: ArrayLike | None = None,
+    *,
+    rng: int | np.random.Generator = 0,
+    max_steps: int = 1000,
+    dptol: float = 0.001,
+    ttol: float = 0.1,
+    Fscale: float = 1.2,
+    deltat: float = 0.2,
+) -> Mesh:
+    """Return a mesh of the region fd < 0 whose edges follow the size function fh.
+
+    Parameters
+    ----------
+    fd : Field, length
+        Negative inside. A signed distance, or any smooth function with a gradient at its zeros.
+    fh : Field or None, relative size
+        The wanted edge length, up to a factor that the region's size decides. None is uniform.
+    h0 : float, length
+        The edge length of the lattice it starts from: the smallest edges of the mesh, about.
+    bbox : array_like of shape (2, 2), length
+        A box around the region, ((xmin, ymin), (xmax, ymax)).
+    pfix : array_like of shape (k, 2), length, optional
+        Nodes that the mesh must have, such as corners. They come first, in this order.
+    rng : int or numpy.random.Generator
+        Chooses which lattice points to keep where fh is large. One seed always gives one mesh.
+    max_steps : int
+        The cap: published versions may run for ever.
+    dptol : float
+        Stop when no interior node would move farther than this times h0 in a step.
+    ttol : float
+        Triangulate anew when a node has moved farther than this times h0.
+    Fscale : float
+        How much longer than their space allows the bars want to be: the pressure that drives
+        nodes to the boundary.
+    deltat : float
+        The step of Euler's method. Much above 0.2 the truss rattles.
+
+    Returns
+    -------
+    Mesh
+        `p, t`, and whether it converged, in how many steps, and how its quality went.
+
+    Raises
+    ------
+    TypeError
+        If a field cannot be called.
+    ValueError
+        If an argument makes no sense, a field returns a NaN or the wrong shape, fh is not
+        positive, a fixed point lies outside or is given twice, the box cuts the region, or no
+        triangle of size h0 fits inside.
+
+    Warns
+    -----
+    ConvergenceWarning
+        If `max_steps` did not suffice; the mesh so far is returned.
+
+    Notes
+    -----
+    [PerssonStrang2004]_ and thesis section 5.5, corrected: lattice points equal to a fixed point
+    are removed; fixed points are not projected; the projection divides by |grad d|**2; the
+    stopping test measures the step, deltat |F|; a last triangulation makes t belong to p.
+
+    Examples
+    --------
+    >>> from distmesh_edu import circle
+    >>> distmesh2d(circle(), None, 0.2, ((-1, -1), (1, 1))).t.shape
+    (143, 3)
+    """
+    steps = distmesh2d_steps(
+        fd, fh, h0, bbox, pfix, rng=rng, max_steps=max_steps,
+        dptol=dptol, ttol=ttol, Fscale=Fscale, deltat=deltat,
+    )  # fmt: skip
+    for mesh in steps:
+        last = mesh
+    return last
+
+
+def distmesh2d_steps(
+    fd: Field,
+    fh: Field | None,
+    h0: float,
+    bbox: ArrayLike,
+    pfix: ArrayLike | None = None,
+    *,
+    rng: int | np.random.Generator = 0,
+    max_steps: int = 1000,
+    dptol: float = 0.001,
+    ttol: float = 0.1,
+    Fscale: float = 1.2,
+    deltat: float = 0.2,
+) -> Iterator[Mesh]:
+    """Yield the mesh at the start, after each step, and at the end: for animations.
+
+    Parameters
+    ----------
+    fd, fh, h0, bbox, pfix, rng, max_steps, dptol, ttol, Fscale, deltat
+        As for `distmesh2d`, which returns the last of these meshes.
+
+    Yields
+    ------
+    Mesh
+        Between retriangulations its triangles are those of the last one.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `distmesh2d`.
+
+    Examples
+    --------
+    >>> from distmesh_edu import circle
+    >>> steps = distmesh2d_steps(circle(), None, 0.2, ((-1, -1), (1, 1)))
+    >>> [next(steps).steps for _ in range(3)]
+    [0, 1, 2]
+    """
+    region = _Region(
+        as_field("fd", fd),
+        None if fh is None else as_field("fh", fh),
+        as_positive("h0", h0),
+        as_bbox(bbox, dim=2),
+        np.empty((0, 2)) if pfix is None else as_points("pfix", pfix, dim=2),
+    )
+    _check_box(region)
+    _check_fixed_points(region)
+    tuning = {"dptol": dptol, "ttol": ttol, "Fscale": Fscale, "deltat": deltat}
+    for name, value in tuning.items():
+        as_positive(name, value)
+    if max_steps < 1:
+        raise ValueError(f"max_steps must be 1 at least; got {max_steps}.")
+    return _relax(region, np.random.default_rng(rng), max_steps, **tuning)
+
+
+def _relax(
+    region: _Region,
+    rng: np.random.Generator,
+    max_steps: int,
+    dptol: float,
+    ttol: float,
+    Fscale: float,
+    deltat: float,
+) -> Iterator[Mesh]:
+    p = triangular_lattice(region.bbox, region.h0)  # 1. Distribute points over the box
+    p = keep_inside(p, region)  # 2. Remove those outside, thin out where fh is large
+    p = np.concatenate((region.pfix, reject(p, region, rng)))
+    fixed, move = len(region.pfix), np.inf
+    p_old = np.full_like(p, np.inf)
+    log = _Log(max_steps)
+
+    for step in range(max_steps):
+        if largest_move(p, p_old) > ttol * region.h0:
+            p_old = p
+            t = triangulate(p, region)  # 3. Retriangulate
+            bars = unique_edges(t)  # 4. Describe each bar by its two nodes
+            D = incidence(bars, len(p))
+            log.record(step, move, p, t)
+        yield Mesh(p, t, False, step, log.history)  # 5. Show the current mesh
+
+        F = bar_forces(p, bars, D, region, Fscale)  # 6. Move the nodes by the bars' forces
+        F[:fixed] = 0
+        p = p + deltat * F
+        p, interior = project(p, fixed, region)  # 7. Bring points back to the boundary
+
+        move = largest_move(deltat * F[interior], 0) / region.h0
+        if move < dptol:  # 8. Stop when the interior is at rest
+            break
+
+    converged = move < dptol
+    log.record(step + 1, move, p, triangulate(p, region))
+    p, t = log.last if converged else log.best
+    mesh = Mesh(p, t, converged, step + 1, log.history)
+    if not converged:
+        _warn(mesh, dptol)
+    yield mesh
+
+
+class _Log:
+    """How the mesh stood at each retriangulation, and the best of those since half-time.
+
+    A truss that does not settle shakes its worst triangles from good to bad and back: the last
+    mesh is a lottery. In the first half, it has not yet spread out, and the lattice is regular.
+    """
+
+    def __init__(self, max_steps: int) -> None:
+        self.half_time = max_steps / 2
+        self.history = np.zeros(0, HISTORY)
+        self.best_quality = -np.inf
+
+    def record(self, step: int, move: float, p: FloatArray, t: IntArray) -> None:
+        quality = radius_ratio(p, t)
+        row = np.array([(step, move, quality.min(), quality.mean())], HISTORY)
+        self.history = np.concatenate((self.history, row))
+        self.last = p, t
+        if step >= self.half_time and quality.min() > self.best_quality:
+            self.best_quality = quality.min()
+            self.best = p, t
+
+
+def triangular_lattice(bbox: FloatArray, h0: float) -> FloatArray:
+    """1. Return the corners of equilateral triangles of side h0 that fill the box."""
+    (x0, y0), (x1, y1) = bbox
+    slack = 1e-9 * h0  # so that rounding does not lose the last row
+    x, y = np.meshgrid(
+        np.arange(x0, x1 + slack, h0), np.arange(y0, y1 + slack, h0 * np.sqrt(3) / 2)
+    )
+    x[1::2] += h0 / 2
+    return np.stack((x.ravel(), y.ravel()), axis=1)
+
+
+def keep_inside(p: FloatArray, region: _Region) -> FloatArray:
+    """2a. Return the points inside, without those that a fixed point already stands on."""
+    p = p[region.distance(p) < region.geps]
+    if len(region.pfix):
+        gap, _ = cKDTree(region.pfix).query(p)
+        p = p[gap > 1e-6 * region.h0]
+    if len(p) + len(region.pfix) < 3:
+        raise ValueError(
+            f"fd is negative at {len(p)} points only of a lattice of side h0 = {region.h0:g} in "
+            "the box: the region is empty, thinner than h0, or elsewhere. Take a smaller h0, "
+            "check bbox, or pass complement(fd) if fd is positive inside."
+        )
+    return p
+
+
+def reject(p: FloatArray, region: _Region, rng: np.random.Generator) -> FloatArray:
+    """2b. Keep each point with a probability proportional to the wanted density, 1 / h**2."""
+    density = region.size(p) ** -2.0
+    keep: NDArray[np.bool_] = rng.random(len(p)) < density / density.max(initial=0)
+    return np.asarray(p[keep])
+
+
+def largest_move(p: FloatArray, p_old: FloatArray | float) -> float:
+    """Return the largest distance that a node has gone."""
+    way = p - p_old
+    return float(np.hypot(way[:, 0], way[:, 1]).max(initial=0))
+
+
+def triangulate(p: FloatArray, region: _Region) -> IntArray:
+    """3. Return the Delaunay triangles whose centroids lie inside."""
+    try:
+        t: IntArray = Delaunay(p).simplices.astype(np.int64)
+    except QhullError:  # all the points lie on one line
+        t = np.empty((0, 3), dtype=np.int64)
+    centroids = p[t].mean(axis=1)
+    t = t[region.distance(centroids) < -region.geps]
+    if not len(t):
+        raise ValueError(
+            f"fd leaves no triangle of size h0 = {region.h0:g} inside: the region is thinner "
+            "than h0. Take a smaller h0."
+        )
+    return t
+
+
+def incidence(bars: IntArray, nodes: int) -> csr_array:
+    """4. Return the matrix D of bars by nodes: +1 where a bar starts, -1 where it ends.
+
+    D p are the bars as vectors, and the transpose of D adds the bars' forces up at the nodes.
+    """
+    ends = np.tile([1.0, -1.0], len(bars))
+    return csr_array((ends, bars.ravel(), 2 * np.arange(len(bars) + 1)), (len(bars), nodes))
+
+
+def bar_forces(
+    p: FloatArray, bars: IntArray, D: csr_array, region: _Region, Fscale: float
+) -> FloatArray:
+    """6. Return the sum, at each node, of the forces of the bars that are too short."""
+    vectors = D @ p
+    L = np.hypot(vectors[:, 0], vectors[:, 1])
+    h = region.size((p[bars[:, 0]] + p[bars[:, 1]]) / 2)
+    L0 = h * Fscale * np.sqrt((L**2).sum() / (h**2).sum())  # thesis eq. (5.7)
+    F = np.maximum(L0 - L, 0)  # thesis eq. (5.6), with k = 1: bars push, they never pull
+    return np.asarray(D.T @ (vectors * (F / np.maximum(L, 1e-12 * L0))[:, None]))
+
+
+def project(p: FloatArray, fixed: int, region: _Region) -> tuple[FloatArray, IntArray]:
+    """7. Return the points with those outside moved to the boundary, and which are interior.
+
+    A step of Newton's method along the gradient, d grad d / |grad d|**2: exact for a distance,
+    and of first order for any smooth function. Fixed points stay where they are.
+    """
+    d = region.distance(p)
+    outside = fixed + np.flatnonzero(d[fixed:] > 0)
+    q, dq = p[outside], d[outside]
+    deps = np.sqrt(np.finfo(float).eps) * region.h0  # best for a one-sided difference
+    shifts = deps * np.eye(2)
+    gradient = np.stack([(region.distance(q + e) - dq) / deps for e in shifts], axis=1)
+    square = (gradient**2).sum(axis=1)
+    step = np.divide(dq, square, out=np.zeros_like(dq), where=square > 0)
+    p = p.copy()
+    p[outside] = q - step[:, None] * gradient
+    return p, np.flatnonzero(d < -region.geps)
+
+
+def _warn(mesh: Mesh, dptol: float) -> None:
+    warnings.warn(
+        f"distmesh2d stopped at its cap of {mesh.steps} steps: in the last one a node still "
+        f"moved {mesh.history['move'][-1]:.2g} h0, above dptol = {dptol:g}. The best mesh since "
+        f"half-time is returned; its least quality is {mesh.quality.min():.2f}, the mean "
+        f"{mesh.quality.mean():.3f}. Raise max_steps, or look where the region is thinner "
+        "than h0.",
+        ConvergenceWarning,
+        stacklevel=4,
+    )
+
+
+def _check_box(region: _Region) -> None:
+    """Refuse a box smaller than h0, and one that the region sticks out of."""
+    lower, upper = region.bbox
+    if region.h0 > (upper - lower).min():
+        raise ValueError(
+            f"h0 must be smaller than the box; h0 = {region.h0:g}, and the box measures "
+            f"{' by '.join(f'{side:g}' for side in upper - lower)}."
+        )
+    counts = np.ceil((upper - lower) / region.h0).astype(int) + 1
+    x, y = (np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True))
+    rim = np.concatenate(
+        [np.stack((x, np.full_like(x, side)), axis=1) for side in (lower[1], upper[1])]
+        + [np.stack((np.full_like(y, side), y), axis=1) for side in (lower[0], upper[0])]
+    )
+    d = region.distance(rim)
+    # Less than half a triangle beyond the box does no harm: the truss grows into it.
+    if d.min() < -region.h0 / 2:
+        where = rim[int(d.argmin())].tolist()
+        everywhere = bool((d < region.geps).all())
+        remedy = (
+            "It is nowhere positive on the box's rim: pass complement(fd) if its sign is "
+            "flipped, or else widen the box."
+            if everywhere
+            else "Widen the box until the region lies inside it."
+        )
+        raise ValueError(f"bbox cuts the region: fd is {d.min():g} at {where}. {remedy}")
+
+
+def _check_fixed_points(region: _Region) -> None:
+    """Refuse a fixed point outside the region, and one given twice."""
+    pfix = region.pfix
+    if not len(pfix):
+        return
+    d = region.distance(pfix)
+    # A distance interpolated on a grid is off by a little at corners: allow a fifth of h0.
+    if d.max() > 0.2 * region.h0:
+        where = pfix[int(d.argmax())].tolist()
+        raise ValueError(
+            f"pfix must lie in the region or on its boundary; {where} is {d.max():g} outside. "
+            "Move it there, or remove it."
+        )
+    close = cKDTree(pfix).query_pairs(1e-6 * region.h0)
+    if close:
+        i, j = min(close)
+        raise ValueError(
+            f"pfix gives the point {pfix[i].tolist()} twice, in rows {i} and {j}. Remove one."
+        )

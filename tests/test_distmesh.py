@@ -1,0 +1,233 @@
+"""DistMesh in the plane: the published counts, the five corrections, an end in every case."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import Delaunay
+
+import distmesh_edu as de
+from distmesh_edu.distmesh import incidence, triangular_lattice
+
+BOX = ((-1, -1), (1, 1))
+CORNERS = [(-1, -1), (-1, 1), (1, 1), (1, -1)]
+square_with_hole = de.difference(de.rectangle(BOX), de.circle(radius=0.5))
+
+
+def radii(mesh):
+    return np.hypot(*mesh.p[np.unique(mesh.boundary_facets)].T)
+
+
+@pytest.mark.parametrize(("h0", "nodes", "triangles"), [(0.2, 88, 143), (0.1, 362, 661)])
+def test_unit_disc_has_the_published_counts(h0, nodes, triangles):
+    mesh = de.distmesh2d(de.circle(), None, h0, BOX)
+    assert (len(mesh.p), len(mesh.t)) == (nodes, triangles)
+    assert mesh.converged
+    assert mesh.euler_characteristic == 1
+    assert mesh.quality.mean() > 0.95
+    assert mesh.quality.min() > 0.5
+    np.testing.assert_allclose(radii(mesh), 1, atol=1e-6)
+    # The polygon of the boundary nodes is all that the mesh lacks of the disc.
+    assert np.pi * (1 - h0**2) < mesh.area < np.pi
+
+
+def test_a_constant_size_function_is_the_uniform_mesh():
+    ones = de.distmesh2d(de.circle(), lambda p: np.full(p.shape[:-1], 7.0), 0.2, BOX)
+    uniform = de.distmesh2d(de.circle(), None, 0.2, BOX)
+    assert (len(ones.p), len(ones.t)) == (len(uniform.p), len(uniform.t)) == (88, 143)
+
+
+def test_square_with_hole_keeps_its_corners_and_has_no_duplicate():
+    """Errata E5.5d: (-1, -1) is a lattice point and was stored twice: 179 nodes, 178 of use."""
+    mesh = de.distmesh2d(square_with_hole, None, 0.15, BOX, CORNERS)
+    np.testing.assert_array_equal(mesh.p[:4], CORNERS)
+    assert len(mesh.p) == 178
+    assert len(np.unique(mesh.t)) == 178
+    assert mesh.euler_characteristic == 0
+    assert mesh.quality.mean() > 0.93
+    assert mesh.area == pytest.approx(4 - np.pi / 4, rel=0.01)
+
+
+def test_fixed_points_stay_though_an_interpolated_distance_puts_them_outside():
+    """Errata E5.5e: on a grid of 0.07 the "fixed" corners moved by up to 0.02."""
+    grid = de.Grid(((-2.1, -2.1), (2.1, 2.1)), 0.07)
+    chebyshev = np.abs(grid.points).max(axis=-1) - 1
+    fd = grid.interpolate(chebyshev, degree=1)
+    assert fd(np.array(CORNERS, dtype=float)).max() > 0.008
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", de.ConvergenceWarning)
+        mesh = de.distmesh2d(fd, None, 0.2, BOX, CORNERS, max_steps=100)
+    np.testing.assert_array_equal(mesh.p[:4], CORNERS)
+
+
+@pytest.mark.parametrize("scale", [0.2, 1.0, 5.0])
+def test_any_smooth_function_will_do(scale):
+    """Errata E0.1: without the division by |grad d|**2 the nodes end at radius 0.56 to 1.05."""
+    fd = lambda p: scale * ((p**2).sum(axis=-1) - 1)  # noqa: E731
+    mesh = de.distmesh2d(fd, None, 0.1, BOX)
+    assert mesh.converged
+    np.testing.assert_allclose(radii(mesh), 1, atol=1e-4)
+
+
+def test_the_stopping_test_measures_the_step():
+    """Errata E5.5g: the printed test asks for a move 2.236 times as small."""
+    *_, before, last = de.distmesh2d_steps(de.circle(), None, 0.1, BOX)
+    moved = np.linalg.norm(last.p - before.p, axis=1)
+    interior = np.hypot(*last.p.T) < 0.99
+    assert moved[interior].max() < 0.001 * 0.1
+    assert moved[interior].max() > 0.001 * 0.1 / 2.236
+    assert last.history["move"][-1] == pytest.approx(moved[interior].max() / 0.1, rel=1e-6)
+
+
+def test_the_triangles_belong_to_the_nodes():
+    """Errata E5.5h: the printed code returns triangles of an earlier step."""
+    mesh = de.distmesh2d(de.rectangle(BOX), None, 0.15, BOX, CORNERS)
+    t = Delaunay(mesh.p).simplices
+    t = t[de.rectangle(BOX)(mesh.p[t].mean(axis=1)) < -0.15e-3]
+    assert {frozenset(row) for row in t.tolist()} == {frozenset(row) for row in mesh.t.tolist()}
+
+
+def test_it_ends_and_says_how_far_it_got():
+    with pytest.warns(de.ConvergenceWarning, match="cap of 40 steps: .* least quality is") as seen:
+        mesh = de.distmesh2d(de.circle(), None, 0.1, BOX, max_steps=40)
+    assert seen[0].filename == __file__
+    assert not mesh.converged
+    assert mesh.steps == 40
+    assert mesh.history["move"][-1] > 0.001
+
+
+def test_at_the_cap_the_best_mesh_since_half_time_is_returned():
+    with pytest.warns(de.ConvergenceWarning):
+        mesh = de.distmesh2d(square_with_hole, None, 0.1, BOX, max_steps=60)
+    late = mesh.history[mesh.history["step"] >= 30]
+    assert len(late) > 2
+    assert mesh.quality.min() == late["minimum_quality"].max()
+
+
+def test_history_tells_how_the_quality_went():
+    mesh = de.distmesh2d(de.circle(), None, 0.1, BOX)
+    assert mesh.history["step"][0] == 0
+    assert mesh.history["step"][-1] == mesh.steps
+    assert (np.diff(mesh.history["step"]) > 0).all()
+    assert mesh.history["mean_quality"][-1] == mesh.quality.mean()
+    assert mesh.history["minimum_quality"][-1] == mesh.quality.min()
+    assert mesh.history["mean_quality"][-1] > mesh.history["mean_quality"][1]
+
+
+def test_one_seed_one_mesh():
+    size = lambda p: 1 + 4 * np.hypot(*p.T)  # noqa: E731
+    def mesh(seed):
+        return de.distmesh2d(de.circle(), size, 0.1, BOX, rng=seed)
+    np.testing.assert_array_equal(mesh(3).p, mesh(3).p)
+    np.testing.assert_array_equal(mesh(3).p, mesh(np.random.default_rng(3)).p)
+    assert len(mesh(3).p) != len(mesh(4).p) or (mesh(3).p != mesh(4).p).any()
+
+
+def test_edges_follow_the_size_function():
+    """Thesis 5.4: with h = 1 + x the edges at x = 0 are about half as long as those at x = 1."""
+    unit = ((0, 0), (1, 1))
+    corners = [(0, 0), (0, 1), (1, 0), (1, 1)]
+    mesh = de.distmesh2d(de.rectangle(unit), lambda p: 1 + p[..., 0], 0.04, unit, corners)
+    middle = mesh.p[mesh.edges].mean(axis=1)
+    left, right = (mesh.edge_lengths[np.abs(middle[:, 0] - x) < 0.05].mean() for x in (0, 1))
+    assert left / right == pytest.approx(0.5, abs=0.08)
+
+
+def test_neither_arguments_nor_earlier_steps_are_changed():
+    pfix = np.array(CORNERS, dtype=float)
+    meshes = list(de.distmesh2d_steps(de.rectangle(BOX), None, 0.3, BOX, pfix))
+    np.testing.assert_array_equal(pfix, CORNERS)
+    assert [mesh.steps for mesh in meshes[:-1]] == list(range(len(meshes) - 1))
+    assert (meshes[0].p != meshes[-1].p).any()
+    assert meshes[-1].converged
+    assert not meshes[0].converged
+
+
+def test_the_lattice_is_one_of_equilateral_triangles():
+    p = triangular_lattice(np.array(BOX, dtype=float), 0.1)
+    assert len(p) == 504
+    nearest = np.sort(np.linalg.norm(p[:, None] - p, axis=2), axis=1)[:, 1]
+    np.testing.assert_allclose(nearest, 0.1)
+
+
+def test_incidence_makes_bars_of_nodes_and_balances_forces():
+    bars = np.array([(0, 1), (1, 2), (0, 2)])
+    D = incidence(bars, 4)
+    p = np.random.default_rng(0).random((4, 2))
+    np.testing.assert_allclose(D @ p, p[bars[:, 0]] - p[bars[:, 1]])
+    np.testing.assert_allclose((D.T @ np.random.default_rng(1).random((3, 2))).sum(axis=0), 0, atol=1e-15)
+
+
+@given(
+    x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), h0=st.floats(0.12, 0.2),
+    grading=st.floats(0, 0.3), seed=st.integers(0, 99),
+)  # fmt: skip
+@settings(max_examples=15, deadline=None)
+def test_meshes_of_random_regions_are_valid(x, y, h0, grading, seed):
+    disc = de.circle((x, y), 0.9)
+    region = de.union(disc, de.rectangle(((-0.5, -0.5), (0.8, 0.4))))
+    fh = lambda p: 0.2 + grading * np.abs(disc(p))  # noqa: E731
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", de.ConvergenceWarning)
+        mesh = de.distmesh2d(region, fh, h0, ((-2, -2), (2, 2)), rng=seed, max_steps=150)
+    assert (mesh.orientation >= 0).all()
+    assert mesh.quality.mean() > 0.7
+    assert region(mesh.p).max() < 0.05 * h0
+    assert np.unique(mesh.p, axis=0).shape == mesh.p.shape
+
+
+def nan_at_right(p):
+    return np.where(p[..., 0] > 0.5, np.nan, de.circle()(p))
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        ({"fd": nan_at_right}, ValueError, r"fd must be finite; it returned nan at"),
+        ({"fd": lambda p: p}, ValueError, r"fd must return one value a point"),
+        ({"fd": lambda p: 1.0}, ValueError, r"fd must return one value a point"),
+        ({"fd": de.complement(de.circle())}, ValueError, r"pass complement\(fd\)"),
+        ({"fd": "circle"}, TypeError, "fd must be a field"),
+        ({"fd": lambda p: 1 + 0 * p[..., 0]}, ValueError, "region is empty, thinner than h0"),
+        ({"fd": de.circle(radius=0.01)}, ValueError, "region is empty, thinner than h0"),
+        ({"fd": lambda p: np.abs(p[..., 1] + 0.2) - 1e-4}, ValueError, "bbox cuts|thinner than h0"),
+        ({"h0": 0}, ValueError, "h0 must be one positive number; got 0"),
+        ({"h0": -0.1}, ValueError, "h0 must be one positive number"),
+        ({"h0": np.nan}, ValueError, "h0 must be finite"),
+        ({"h0": 3}, ValueError, "h0 must be smaller than the box; h0 = 3, .* 2 by 2"),
+        ({"bbox": (-1, 1)}, ValueError, r"bbox must be \(\(xmin, ymin\), \(xmax, ymax\)\)"),
+        ({"bbox": ((-1, -1, -1), (1, 1, 1))}, ValueError, "bbox must be"),
+        ({"bbox": ((1, 1), (-1, -1))}, ValueError, "lower to its upper corner"),
+        ({"bbox": ((-1, -1), (0.5, 1))}, ValueError, "bbox cuts the region: fd is -0.5 at.*Widen"),
+        ({"fh": lambda p: p[..., 0] + 0.5}, ValueError, "fh must be positive"),
+        ({"fh": lambda p: 0 * p[..., 0]}, ValueError, "fh must be positive"),
+        ({"fh": lambda p: np.sqrt(-1 + 0 * p[..., 0])}, ValueError, "fh must be finite"),
+        ({"fh": lambda p: np.ones(3)}, ValueError, "fh must return one value a point"),
+        ({"fh": 1.0}, TypeError, "fh must be a field"),
+        ({"pfix": [(1.5, 0)]}, ValueError, r"pfix must lie in the region.*\[1.5, 0.0\] is 0.5"),
+        ({"pfix": [(0, 0), (0.5, 0), (0, 0)]}, ValueError, "pfix gives .* twice, in rows 0 and 2"),
+        ({"pfix": [(0, 0, 0)]}, ValueError, r"pfix must have the shape \(n, 2\)"),
+        ({"pfix": [(0, np.nan)]}, ValueError, "pfix must be finite"),
+        ({"max_steps": 0}, ValueError, "max_steps must be 1"),
+        ({"deltat": -1}, ValueError, "deltat must be one positive number"),
+        ({"dptol": 0}, ValueError, "dptol must be one positive number"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_bad_input_is_named(change, error, words):
+    good = {"fd": de.circle(), "fh": None, "h0": 0.2, "bbox": BOX}
+    with pytest.raises(error, match=words):
+        de.distmesh2d(**(good | change))
+
+
+def test_a_size_function_that_fails_away_from_the_lattice_is_found_too():
+    calls = []
+
+    def fh(p):
+        calls.append(len(p))
+        return np.ones(len(p)) if len(calls) < 3 else -np.ones(len(p))
+
+    with pytest.raises(ValueError, match="fh must be positive"):
+        de.distmesh2d(de.circle(), fh, 0.2, BOX)

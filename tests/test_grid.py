@@ -1,0 +1,96 @@
+"""The grid: nodes where they should be, and arrays that become fields again."""
+
+import numpy as np
+import pytest
+
+import distmesh_edu as de
+
+BOX = ((-2.0, -1.0), (2.0, 1.0))
+
+
+def test_nodes_include_both_ends_and_follow_ij_order():
+    grid = de.Grid(BOX, (0.5, 0.25))
+    assert grid.shape == (9, 9)
+    assert grid.points.shape == (9, 9, 2)
+    x, y = grid.axes
+    np.testing.assert_allclose(grid.points[3, 5], (x[3], y[5]))
+    np.testing.assert_allclose((x[0], x[-1], y[0], y[-1]), (-2, 2, -1, 1))
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_grids_of_one_to_three_dimensions(dim):
+    grid = de.Grid(((0.0,) * dim, (1.0,) * dim), 0.25)
+    assert grid.dim == dim
+    assert grid.points.shape == (5,) * dim + (dim,)
+    plane = grid.points @ np.arange(1.0, dim + 1)
+    p = np.random.default_rng(0).uniform(0, 1, (20, dim))
+    for degree in (1, 3):
+        np.testing.assert_allclose(
+            grid.interpolate(plane, degree=degree)(p), p @ np.arange(1.0, dim + 1), atol=1e-12
+        )
+
+
+def test_a_line_may_be_given_as_two_numbers():
+    assert de.Grid((0, 1), 0.5) == de.Grid(((0,), (1,)), 0.5)
+
+
+def test_the_grid_cannot_be_changed():
+    grid = de.Grid(BOX, 0.5)
+    with pytest.raises(AttributeError):
+        grid.dx = (1.0, 1.0)
+
+
+@pytest.mark.parametrize(("degree", "order"), [(1, 2), (3, 4)])
+def test_order_of_interpolation(degree, order):
+    p = np.random.default_rng(1).uniform(-0.9, 0.9, (2000, 2))
+
+    def error(dx):
+        grid = de.Grid(((-1, -1), (1, 1)), dx)
+        x, y = np.moveaxis(grid.points, -1, 0)
+        field = grid.interpolate(np.sin(3 * x) * np.cos(2 * y), degree=degree)
+        return np.abs(field(p) - np.sin(3 * p[:, 0]) * np.cos(2 * p[:, 1])).max()
+
+    assert np.log2(error(1 / 16) / error(1 / 32)) == pytest.approx(order, abs=0.3)
+
+
+def test_linear_interpolation_puts_the_circle_inside_itself():
+    """Errata E5.6a: the boundary lies up to dx**2 / 8 inside (0.00125 for dx = 0.1)."""
+    grid = de.Grid(((-2, -2), (2, 2)), 0.1)
+    angle = np.linspace(0, 2 * np.pi, 1000)
+    ring = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    values = de.circle()(grid.points)
+    linear, cubic = (grid.interpolate(values, degree=k)(ring) for k in (1, 3))
+    assert linear.min() > -1e-12
+    assert 0.001 < linear.max() < 0.00126
+    assert np.abs(cubic).max() < 2e-5
+
+
+def test_a_periodic_axis_stores_its_end_once_and_wraps():
+    grid = de.Grid(((0, 0), (2 * np.pi, 1)), (2 * np.pi / 32, 0.25), periodic=(True, False))
+    assert grid.shape == (32, 5)
+    field = grid.interpolate(np.sin(grid.points[..., 0]))
+    x = np.array([-7.0, -0.05, 0.0, 6.25, 6.3, 100.0])
+    p = np.stack((x, np.full_like(x, 0.5)), axis=1)
+    np.testing.assert_allclose(field(p), np.sin(x), atol=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "words"),
+    [
+        (lambda: de.Grid(BOX, 0), ValueError, "dx must be positive"),
+        (lambda: de.Grid(BOX, -0.1), ValueError, "dx must be positive"),
+        (lambda: de.Grid(BOX, 0.3), ValueError, "dx must divide the box.*0.285714 or 0.307692"),
+        (lambda: de.Grid(BOX, 5), ValueError, "dx must divide the box"),
+        (lambda: de.Grid(BOX, (0.5, 0.5, 0.5)), ValueError, "one for each of the 2 axes"),
+        (lambda: de.Grid(BOX, np.nan), ValueError, "dx must be finite"),
+        (lambda: de.Grid((BOX[1], BOX[0]), 0.5), ValueError, "lower to its upper"),
+        (lambda: de.Grid("box", 0.5), TypeError, "bbox must hold real numbers"),
+        (lambda: de.Grid(BOX, 0.5).interpolate(np.zeros((5, 9))), ValueError, "grid's shape"),
+        (lambda: de.Grid(BOX, 0.5).interpolate(np.full((9, 5), np.nan)), ValueError, "finite"),
+        (lambda: de.Grid(BOX, 0.5).interpolate(np.zeros((9, 5)), degree=2), ValueError, "degree"),
+        (lambda: de.Grid(BOX, 1).interpolate(np.zeros((5, 3))), ValueError, "4 nodes along each"),
+    ],
+)
+def test_bad_input_is_named(make, error, words):
+    with pytest.raises(error, match=words):
+        make()
