@@ -57,14 +57,17 @@ def disc():
     """Compare ways to mesh the unit disc with a uniform size."""
     print("\nUnit disc, uniform. The transcription stops by the printed test, about half as large.")
     peers = peers_distmesh2d()
-    print(f"  {'h0':>5} {'program':<15} {'nodes':>6} {'steps':>6} {'seconds':>8} {'ratio':>6}  quality least / mean")  # fmt: skip
+    print("     h0 program          nodes  steps  seconds  ratio  quality least / mean")
     circle, ones = de.circle(), lambda p: np.ones(len(p))
     for h0 in (0.05, 0.02):
         mesh, ours = seconds(lambda h0=h0: de.distmesh2d(circle, None, h0, BOX))
 
         def row(name, p, t, steps, time, h0=h0, ours=ours):
             q = de.Mesh(p, t).quality
-            print(f"  {h0:5g} {name:<15} {len(p):6} {steps:>6} {time:8.2f} {time / ours:6.2f}  {q.min():.3f} / {q.mean():.3f}")  # fmt: skip
+            print(
+                f"  {h0:5g} {name:<15} {len(p):6} {steps:>6} {time:8.2f} {time / ours:6.2f}  "
+                f"{q.min():.3f} / {q.mean():.3f}"
+            )
 
         row("distmesh_edu", mesh.p, mesh.t, mesh.steps, ours)
         printed = lambda h0=h0: transcription.distmesh2d(  # noqa: E731
@@ -79,7 +82,10 @@ def disc():
             row(name, p, np.asarray(getattr(triangulation, "simplices", triangulation)), "-", taken)
         _, floor = seconds(lambda mesh=mesh: Delaunay(mesh.p))
         calls = len(mesh.history)
-        print(f"        one Delaunay of these nodes: {floor:.3f} s, {floor / ours:.3f} of the whole; {calls} were made")  # fmt: skip
+        print(
+            f"        one Delaunay of these nodes: {floor:.3f} s, {floor / ours:.3f} of the whole; "
+            f"{calls} were made"
+        )
 
 
 def lake():
@@ -100,8 +106,9 @@ def lake():
     slow, naive = seconds(every_side_in_turn)
     fast, ours = seconds(lambda: fd(p))
     print("\nLake Superior: distance of 100,000 points to 436 sides")
-    print(f"  every side in turn, no sign: {naive:.2f} s; k-d tree, with sign: {ours:.2f} s: {naive / ours:.1f} times faster")  # fmt: skip
-    print(f"  largest difference {np.abs(np.abs(fast) - slow).max():.1e} km; peak memory {peak_megabytes(lambda: fd(p)):.0f} MB")  # fmt: skip
+    print(f"  every side in turn, no sign: {naive:.2f} s; k-d tree, with sign: {ours:.2f} s")
+    print(f"  {naive / ours:.1f} times faster; peak memory {peak_megabytes(lambda: fd(p)):.0f} MB")
+    print(f"  largest difference {np.abs(np.abs(fast) - slow).max():.1e} km")
 
     box = ((-310, -120), (276, 166))
     grid = de.Grid(box, 2)
@@ -112,8 +119,10 @@ def lake():
         work = lambda h0=h0, fh=fh: de.distmesh2d(fd, fh, h0, box, max_steps=300)  # noqa: E731
         mesh, taken = seconds(work, repeats=1)
         q = mesh.quality
-        print(f"  {name}: {len(mesh.p)} nodes, {taken:.1f} s, {len(mesh.history)} Delaunay calls, "
-              f"peak memory {peak_megabytes(work):.0f} MB, quality {q.min():.2f} / {q.mean():.3f}")  # fmt: skip
+        print(
+            f"  {name}: {len(mesh.p)} nodes, {taken:.1f} s, {len(mesh.history)} Delaunay calls, "
+            f"peak memory {peak_megabytes(work):.0f} MB, quality {q.min():.2f} / {q.mean():.3f}"
+        )
 
 
 def frames():
@@ -148,7 +157,8 @@ def main():
     """Print everything in one run."""
     matplotlib.use("Agg")
     warnings.simplefilter("ignore", de.ConvergenceWarning)
-    print(f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}")  # fmt: skip
+    versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
+    print(f"{platform.system()} {platform.machine()}, {versions}")
     print("Medians of three runs; trust the ratios, not the seconds.")
     disc()
     lake()

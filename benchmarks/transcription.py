@@ -11,6 +11,7 @@ from scipy.spatial import Delaunay
 
 
 def distmesh2d(fd, fh, h0, bbox, pfix, rng, max_steps=10_000):
+    """Return p, t and the number of steps; t is older than p, as printed."""
     dptol, ttol, Fscale, deltat = 0.001, 0.1, 1.2, 0.2
     geps, deps = 0.001 * h0, np.sqrt(np.finfo(float).eps) * h0
     x, y = np.meshgrid(
@@ -24,7 +25,9 @@ def distmesh2d(fd, fh, h0, bbox, pfix, rng, max_steps=10_000):
     p = np.vstack((pfix, p[rng.random(len(p)) < r0 / r0.max()]))
     N = len(p)
     pold = np.inf
-    for step in range(1, max_steps + 1):
+    step = 0
+    while step < max_steps:
+        step += 1
         if np.sqrt(((p - pold) ** 2).sum(axis=1)).max() / h0 > ttol:
             pold = p.copy()
             t = Delaunay(p).simplices

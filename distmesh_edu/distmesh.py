@@ -125,9 +125,18 @@ def distmesh2d(
     (143, 3)
     """
     steps = distmesh2d_steps(
-        fd, fh, h0, bbox, pfix, rng=rng, max_steps=max_steps,
-        dptol=dptol, ttol=ttol, Fscale=Fscale, deltat=deltat,
-    )  # fmt: skip
+        fd,
+        fh,
+        h0,
+        bbox,
+        pfix,
+        rng=rng,
+        max_steps=max_steps,
+        dptol=dptol,
+        ttol=ttol,
+        Fscale=Fscale,
+        deltat=deltat,
+    )
     for mesh in steps:
         last = mesh
     return last

@@ -118,8 +118,10 @@ def test_history_tells_how_the_quality_went():
 
 def test_one_seed_one_mesh():
     size = lambda p: 1 + 4 * np.hypot(*p.T)  # noqa: E731
+
     def mesh(seed):
         return de.distmesh2d(de.circle(), size, 0.1, BOX, rng=seed)
+
     np.testing.assert_array_equal(mesh(3).p, mesh(3).p)
     np.testing.assert_array_equal(mesh(3).p, mesh(np.random.default_rng(3)).p)
     assert len(mesh(3).p) != len(mesh(4).p) or (mesh(3).p != mesh(4).p).any()
@@ -157,13 +159,18 @@ def test_incidence_makes_bars_of_nodes_and_balances_forces():
     D = incidence(bars, 4)
     p = np.random.default_rng(0).random((4, 2))
     np.testing.assert_allclose(D @ p, p[bars[:, 0]] - p[bars[:, 1]])
-    np.testing.assert_allclose((D.T @ np.random.default_rng(1).random((3, 2))).sum(axis=0), 0, atol=1e-15)
+    np.testing.assert_allclose(
+        (D.T @ np.random.default_rng(1).random((3, 2))).sum(axis=0), 0, atol=1e-15
+    )
 
 
 @given(
-    x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), h0=st.floats(0.12, 0.2),
-    grading=st.floats(0, 0.3), seed=st.integers(0, 99),
-)  # fmt: skip
+    x=st.floats(-0.5, 0.5),
+    y=st.floats(-0.5, 0.5),
+    h0=st.floats(0.12, 0.2),
+    grading=st.floats(0, 0.3),
+    seed=st.integers(0, 99),
+)
 @settings(max_examples=15, deadline=None)
 def test_meshes_of_random_regions_are_valid(x, y, h0, grading, seed):
     disc = de.circle((x, y), 0.9)
@@ -214,7 +221,7 @@ def nan_at_right(p):
         ({"deltat": -1}, ValueError, "deltat must be one positive number"),
         ({"dptol": 0}, ValueError, "dptol must be one positive number"),
     ],
-)  # fmt: skip
+)
 @pytest.mark.filterwarnings("ignore:invalid value")
 def test_bad_input_is_named(change, error, words):
     good = {"fd": de.circle(), "fh": None, "h0": 0.2, "bbox": BOX}

@@ -12,7 +12,10 @@ from distmesh_edu.mesh import radius_ratio, unique_edges
 SQUARE = np.array([(0.0, 0), (1, 0), (1, 1), (0, 1)])
 # A ring of eight triangles between two squares: one hole.
 RING_P = np.concatenate((3 * SQUARE - 1, SQUARE))
-RING_T = np.array([(k, (k + 1) % 4, 4 + k) for k in range(4)] + [((k + 1) % 4, 4 + (k + 1) % 4, 4 + k) for k in range(4)])  # fmt: skip
+RING_T = np.array(
+    [(k, (k + 1) % 4, 4 + k) for k in range(4)]
+    + [((k + 1) % 4, 4 + (k + 1) % 4, 4 + k) for k in range(4)]
+)
 
 
 def test_it_unpacks_and_says_what_it_is():
@@ -77,7 +80,11 @@ def test_boundary_facets_have_the_region_on_their_left():
 
 def test_edges_equal_a_set_of_pairs():
     t = Delaunay(np.random.default_rng(0).random((200, 2))).simplices
-    pairs = {tuple(sorted(pair)) for row in t.tolist() for pair in zip(row, row[1:] + row[:1], strict=True)}  # fmt: skip
+    pairs = {
+        tuple(sorted(pair))
+        for row in t.tolist()
+        for pair in zip(row, row[1:] + row[:1], strict=True)
+    }
     assert [tuple(edge) for edge in unique_edges(t.astype(np.int64)).tolist()] == sorted(pairs)
 
 

@@ -1,0 +1,28 @@
+"""The README's code does what the README says."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import distmesh_edu as de
+
+README = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
+
+
+def test_the_ten_lines_mesh_the_lake(capsys):
+    (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert len(code.splitlines()) <= 10
+    names = {}
+    with pytest.warns(de.ConvergenceWarning):
+        exec(code, names)
+    assert "nodes" in capsys.readouterr().out
+    assert names["mesh"].area == pytest.approx(82_369, rel=0.01)
+    assert names["mesh"].quality.mean() > 0.93
+
+
+def test_every_file_it_links_to_exists():
+    links = re.findall(r"\]\(([^)#]+)\)", README)
+    assert len(links) >= 5
+    for link in links:
+        assert (Path(__file__).parents[1] / link).exists(), link
