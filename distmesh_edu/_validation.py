@@ -1,9 +1,12 @@
 """What every public door asks of its arguments: each error names one, its value, and a remedy."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 Points = NDArray[np.float64]
 
@@ -83,3 +86,99 @@ def evaluate(name: str, field: Any, points: Points) -> Points:
             "Give it a value there, or keep the box away from that point."
         )
     return values
+
+
+@dataclass(frozen=True)
+class Region:
+    """What is to be meshed: the fields, checked whenever they are asked, and the sizes."""
+
+    fd: Callable[[Points], Points]
+    fh: Callable[[Points], Points] | None
+    h0: float
+    bbox: Points
+    pfix: Points
+
+    @property
+    def geps(self) -> float:
+        """How far outside a point may lie and still count as inside (length)."""
+        return 1e-3 * self.h0
+
+    def distance(self, p: Points) -> Points:
+        return evaluate("fd", self.fd, p)
+
+    def size(self, p: Points) -> Points:
+        if self.fh is None:
+            return np.ones(len(p))
+        h = evaluate("fh", self.fh, p)
+        if h.size and h.min() <= 0:
+            raise ValueError(
+                f"fh must be positive wherever the mesh goes; it is {h.min():g} at "
+                f"{p[int(h.argmin())].tolist()}. Bound it from below, as in "
+                "lambda p: np.maximum(fh(p), smallest)."
+            )
+        return h
+
+
+def as_region(
+    fd: Any, fh: Any, h0: float, bbox: ArrayLike, pfix: ArrayLike | None, dim: int
+) -> Region:
+    """Return what is to be meshed, or say which argument makes no sense."""
+    region = Region(
+        as_field("fd", fd),
+        None if fh is None else as_field("fh", fh),
+        as_positive("h0", h0),
+        as_bbox(bbox, dim),
+        np.empty((0, dim)) if pfix is None else as_points("pfix", pfix, dim),
+    )
+    _check_box(region)
+    _check_fixed_points(region)
+    return region
+
+
+def _check_box(region: Region) -> None:
+    """Refuse a box smaller than h0, and one that the region sticks out of."""
+    lower, upper = region.bbox
+    if region.h0 > (upper - lower).min():
+        raise ValueError(
+            f"h0 must be smaller than the box; h0 = {region.h0:g}, and the box measures "
+            f"{' by '.join(f'{side:g}' for side in upper - lower)}."
+        )
+    counts = np.ceil((upper - lower) / region.h0).astype(int) + 1
+    x, y = (np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True))
+    rim = np.concatenate(
+        [np.stack((x, np.full_like(x, side)), axis=1) for side in (lower[1], upper[1])]
+        + [np.stack((np.full_like(y, side), y), axis=1) for side in (lower[0], upper[0])]
+    )
+    d = region.distance(rim)
+    # Less than half a triangle beyond the box does no harm: the truss grows into it.
+    if d.min() < -region.h0 / 2:
+        where = rim[int(d.argmin())].tolist()
+        everywhere = bool((d < region.geps).all())
+        remedy = (
+            "It is nowhere positive on the box's rim: pass complement(fd) if its sign is "
+            "flipped, or else widen the box."
+            if everywhere
+            else "Widen the box until the region lies inside it."
+        )
+        raise ValueError(f"bbox cuts the region: fd is {d.min():g} at {where}. {remedy}")
+
+
+def _check_fixed_points(region: Region) -> None:
+    """Refuse a fixed point outside the region, and one given twice."""
+    pfix = region.pfix
+    if not len(pfix):
+        return
+    d = region.distance(pfix)
+    # A distance interpolated on a grid is off by a little at corners: allow a fifth of h0.
+    if d.max() > 0.2 * region.h0:
+        where = pfix[int(d.argmax())].tolist()
+        raise ValueError(
+            f"pfix must lie in the region or on its boundary; {where} is {d.max():g} outside. "
+            "Move it there, or remove it."
+        )
+    close = cKDTree(pfix).query_pairs(1e-6 * region.h0)
+    if close:
+        i, j = min(close)
+        raise ValueError(
+            f"pfix gives the point {pfix[i].tolist()} twice, in rows {i} and {j}. Remove one."
+        )

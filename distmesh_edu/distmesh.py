@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,39 +15,11 @@ from scipy.sparse import csr_array
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from ._types import ArrayLike, Field, FloatArray, IntArray
-from ._validation import as_bbox, as_field, as_points, as_positive, evaluate
+from ._validation import Region, as_positive, as_region
 from .mesh import HISTORY, ConvergenceWarning, Mesh, radius_ratio, unique_edges
 
-
-@dataclass(frozen=True)
-class _Region:
-    """What is to be meshed: the fields, checked whenever they are asked, and the sizes."""
-
-    fd: Field
-    fh: Field | None
-    h0: float
-    bbox: FloatArray
-    pfix: FloatArray
-
-    @property
-    def geps(self) -> float:
-        """How far outside a point may lie and still count as inside (length)."""
-        return 1e-3 * self.h0
-
-    def distance(self, p: FloatArray) -> FloatArray:
-        return evaluate("fd", self.fd, p)
-
-    def size(self, p: FloatArray) -> FloatArray:
-        if self.fh is None:
-            return np.ones(len(p))
-        h = evaluate("fh", self.fh, p)
-        if h.size and h.min() <= 0:
-            raise ValueError(
-                f"fh must be positive wherever the mesh goes; it is {h.min():g} at "
-                f"{p[int(h.argmin())].tolist()}. Bound it from below, as in "
-                "lambda p: np.maximum(fh(p), smallest)."
-            )
-        return h
+# The functions of the single steps are for reading, and for whoever builds on them.
+__all__ = ["distmesh2d", "distmesh2d_steps"]
 
 
 def distmesh2d(
@@ -180,15 +151,7 @@ def distmesh2d_steps(
     >>> [next(steps).steps for _ in range(3)]
     [0, 1, 2]
     """
-    region = _Region(
-        as_field("fd", fd),
-        None if fh is None else as_field("fh", fh),
-        as_positive("h0", h0),
-        as_bbox(bbox, dim=2),
-        np.empty((0, 2)) if pfix is None else as_points("pfix", pfix, dim=2),
-    )
-    _check_box(region)
-    _check_fixed_points(region)
+    region = as_region(fd, fh, h0, bbox, pfix, dim=2)
     tuning = {"dptol": dptol, "ttol": ttol, "Fscale": Fscale, "deltat": deltat}
     for name, value in tuning.items():
         as_positive(name, value)
@@ -198,7 +161,7 @@ def distmesh2d_steps(
 
 
 def _relax(
-    region: _Region,
+    region: Region,
     rng: np.random.Generator,
     max_steps: int,
     dptol: float,
@@ -231,13 +194,20 @@ def _relax(
         if move < dptol:  # 8. Stop when the interior is at rest
             break
 
+    yield _at_the_end(p, region, log, step + 1, move, dptol)
+
+
+def _at_the_end(
+    p: FloatArray, region: Region, log: _Log, steps: int, move: float, dptol: float
+) -> Mesh:
+    """Return the mesh with triangles that belong to its nodes; if it never settled, the best."""
+    log.record(steps, move, p, triangulate(p, region))
     converged = move < dptol
-    log.record(step + 1, move, p, triangulate(p, region))
     p, t = log.last if converged else log.best
-    mesh = Mesh(p, t, converged, step + 1, log.history)
+    mesh = Mesh(p, t, converged, steps, log.history)
     if not converged:
         _warn(mesh, dptol)
-    yield mesh
+    return mesh
 
 
 class _Log:
@@ -273,7 +243,7 @@ def triangular_lattice(bbox: FloatArray, h0: float) -> FloatArray:
     return np.stack((x.ravel(), y.ravel()), axis=1)
 
 
-def keep_inside(p: FloatArray, region: _Region) -> FloatArray:
+def keep_inside(p: FloatArray, region: Region) -> FloatArray:
     """2a. Return the points inside, without those that a fixed point already stands on."""
     p = p[region.distance(p) < region.geps]
     if len(region.pfix):
@@ -288,7 +258,7 @@ def keep_inside(p: FloatArray, region: _Region) -> FloatArray:
     return p
 
 
-def reject(p: FloatArray, region: _Region, rng: np.random.Generator) -> FloatArray:
+def reject(p: FloatArray, region: Region, rng: np.random.Generator) -> FloatArray:
     """2b. Keep each point with a probability proportional to the wanted density, 1 / h**2."""
     density = region.size(p) ** -2.0
     keep: NDArray[np.bool_] = rng.random(len(p)) < density / density.max(initial=0)
@@ -301,7 +271,7 @@ def largest_move(p: FloatArray, p_old: FloatArray | float) -> float:
     return float(np.hypot(way[:, 0], way[:, 1]).max(initial=0))
 
 
-def triangulate(p: FloatArray, region: _Region) -> IntArray:
+def triangulate(p: FloatArray, region: Region) -> IntArray:
     """3. Return the Delaunay triangles whose centroids lie inside."""
     try:
         t: IntArray = Delaunay(p).simplices.astype(np.int64)
@@ -327,7 +297,7 @@ def incidence(bars: IntArray, nodes: int) -> csr_array:
 
 
 def bar_forces(
-    p: FloatArray, bars: IntArray, D: csr_array, region: _Region, Fscale: float
+    p: FloatArray, bars: IntArray, D: csr_array, region: Region, Fscale: float
 ) -> FloatArray:
     """6. Return the sum, at each node, of the forces of the bars that are too short."""
     vectors = D @ p
@@ -338,7 +308,7 @@ def bar_forces(
     return np.asarray(D.T @ (vectors * (F / np.maximum(L, 1e-12 * L0))[:, None]))
 
 
-def project(p: FloatArray, fixed: int, region: _Region) -> tuple[FloatArray, IntArray]:
+def project(p: FloatArray, fixed: int, region: Region) -> tuple[FloatArray, IntArray]:
     """7. Return the points with those outside moved to the boundary, and which are interior.
 
     A step of Newton's method along the gradient, d grad d / |grad d|**2: exact for a distance,
@@ -365,54 +335,5 @@ def _warn(mesh: Mesh, dptol: float) -> None:
         f"{mesh.quality.mean():.3f}. Raise max_steps, or look where the region is thinner "
         "than h0.",
         ConvergenceWarning,
-        stacklevel=4,
+        stacklevel=5,
     )
-
-
-def _check_box(region: _Region) -> None:
-    """Refuse a box smaller than h0, and one that the region sticks out of."""
-    lower, upper = region.bbox
-    if region.h0 > (upper - lower).min():
-        raise ValueError(
-            f"h0 must be smaller than the box; h0 = {region.h0:g}, and the box measures "
-            f"{' by '.join(f'{side:g}' for side in upper - lower)}."
-        )
-    counts = np.ceil((upper - lower) / region.h0).astype(int) + 1
-    x, y = (np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True))
-    rim = np.concatenate(
-        [np.stack((x, np.full_like(x, side)), axis=1) for side in (lower[1], upper[1])]
-        + [np.stack((np.full_like(y, side), y), axis=1) for side in (lower[0], upper[0])]
-    )
-    d = region.distance(rim)
-    # Less than half a triangle beyond the box does no harm: the truss grows into it.
-    if d.min() < -region.h0 / 2:
-        where = rim[int(d.argmin())].tolist()
-        everywhere = bool((d < region.geps).all())
-        remedy = (
-            "It is nowhere positive on the box's rim: pass complement(fd) if its sign is "
-            "flipped, or else widen the box."
-            if everywhere
-            else "Widen the box until the region lies inside it."
-        )
-        raise ValueError(f"bbox cuts the region: fd is {d.min():g} at {where}. {remedy}")
-
-
-def _check_fixed_points(region: _Region) -> None:
-    """Refuse a fixed point outside the region, and one given twice."""
-    pfix = region.pfix
-    if not len(pfix):
-        return
-    d = region.distance(pfix)
-    # A distance interpolated on a grid is off by a little at corners: allow a fifth of h0.
-    if d.max() > 0.2 * region.h0:
-        where = pfix[int(d.argmax())].tolist()
-        raise ValueError(
-            f"pfix must lie in the region or on its boundary; {where} is {d.max():g} outside. "
-            "Move it there, or remove it."
-        )
-    close = cKDTree(pfix).query_pairs(1e-6 * region.h0)
-    if close:
-        i, j = min(close)
-        raise ValueError(
-            f"pfix gives the point {pfix[i].tolist()} twice, in rows {i} and {j}. Remove one."
-        )

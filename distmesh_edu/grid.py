@@ -130,30 +130,31 @@ class Grid:
                 f"degree {degree} needs {degree + 1} nodes along each axis at least; the grid "
                 f"has {self.shape}. Take a smaller dx, or degree=1."
             )
-        knots: list[FloatArray] = []
-        coefficients = array
-        for axis, (low, high) in enumerate(zip(*self.bbox, strict=True)):
-            x = _nodes(low, high, self.dx[axis])
-            wraps = self.periodic[axis]
-            if wraps:
-                first = coefficients.take([0], axis=axis)
-                coefficients = np.concatenate((coefficients, first), axis=axis)
-            ends = "periodic" if wraps else None
-            spline = make_interp_spline(x, coefficients, degree, axis=axis, bc_type=ends)
-            knots.append(spline.t)
-            coefficients = np.moveaxis(spline.c, 0, axis)
-        surface = NdBSpline(tuple(knots), coefficients, degree)
+        surface = self._tensor_spline(array, degree)
         lower, upper = (np.array(corner) for corner in self.bbox)
-        wrapped = np.array(self.periodic)
+        wraps = np.array(self.periodic)
 
         def field(p: FloatArray) -> FloatArray:
             points = np.asarray(p, dtype=np.float64)
-            if wrapped.any():
-                inside = lower + np.mod(points - lower, upper - lower)
-                points = np.where(wrapped, inside, points)
+            if wraps.any():
+                points = np.where(wraps, lower + np.mod(points - lower, upper - lower), points)
             return np.asarray(surface(points, extrapolate=True), dtype=np.float64)
 
         return field
+
+    def _tensor_spline(self, values: FloatArray, degree: int) -> NdBSpline:
+        """Interpolate along one axis after the other; what is left are coefficients."""
+        knots: list[FloatArray] = []
+        for axis, (low, high) in enumerate(zip(*self.bbox, strict=True)):
+            ends = None
+            if self.periodic[axis]:  # the spline wants the first node again at the end
+                values = np.concatenate((values, values.take([0], axis=axis)), axis=axis)
+                ends = "periodic"
+            x = _nodes(low, high, self.dx[axis])
+            spline = make_interp_spline(x, values, degree, axis=axis, bc_type=ends)
+            knots.append(spline.t)
+            values = np.moveaxis(spline.c, 0, axis)
+        return NdBSpline(tuple(knots), values, degree)
 
 
 def _nodes(low: float, high: float, dx: float) -> FloatArray:

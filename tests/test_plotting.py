@@ -23,6 +23,10 @@ def test_plot_mesh_draws_every_triangle_where_it_is(ax):
     assert ax.get_xlim()[0] <= 0 < 2 <= ax.get_xlim()[1]
 
 
+def test_plot_mesh_names_a_mesh_that_did_not_come_to_rest(ax):
+    assert de.plot_mesh(ax, de.Mesh(*MESH, converged=False)).get_gid() == "unsettled mesh"
+
+
 def test_plot_mesh_by_quality_colours_by_the_radius_ratio(ax):
     triangles = de.plot_mesh(ax, MESH, by_quality=True)
     np.testing.assert_allclose(triangles.get_array(), MESH.quality)
