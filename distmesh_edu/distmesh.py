@@ -169,29 +169,35 @@ def _relax(
     Fscale: float,
     deltat: float,
 ) -> Iterator[Mesh]:
-    p = triangular_lattice(region.bbox, region.h0)  # 1. Distribute points over the box
-    p = keep_inside(p, region)  # 2. Remove those outside, thin out where fh is large
-    p = np.concatenate((region.pfix, reject(p, region, rng)))
-    fixed, move = len(region.pfix), np.inf
+    # 1. Distribute points over the box
+    p = triangular_lattice(region.bbox, region.h0)
+    # 2. Remove those outside, and thin out where fh is large
+    p = reject(keep_inside(p, region), region, rng)
+    p = np.concatenate((region.pfix, p))
     p_old = np.full_like(p, np.inf)
-    log = _Log(max_steps)
+    fixed, move, log = len(region.pfix), np.inf, _Log(max_steps)
 
     for step in range(max_steps):
         if largest_move(p, p_old) > ttol * region.h0:
             p_old = p
-            t = triangulate(p, region)  # 3. Retriangulate
-            bars = unique_edges(t)  # 4. Describe each bar by its two nodes
+            # 3. Retriangulate
+            t = triangulate(p, region)
+            # 4. Describe each bar by its two nodes
+            bars = unique_edges(t)
             D = incidence(bars, len(p))
             log.record(step, move, p, t)
-        yield Mesh(p, t, False, step, log.history)  # 5. Show the current mesh
+        # 5. Show the current mesh
+        yield Mesh(p, t, False, step, log.history)
 
-        F = bar_forces(p, bars, D, region, Fscale)  # 6. Move the nodes by the bars' forces
+        # 6. Move the nodes by the forces of the bars
+        F = bar_forces(p, bars, D, region, Fscale)
         F[:fixed] = 0
         p = p + deltat * F
-        p, interior = project(p, fixed, region)  # 7. Bring points back to the boundary
-
+        # 7. Bring points back to the boundary
+        p, interior = project(p, fixed, region)
+        # 8. Stop when the interior is at rest
         move = largest_move(deltat * F[interior], 0) / region.h0
-        if move < dptol:  # 8. Stop when the interior is at rest
+        if move < dptol:
             break
 
     yield _at_the_end(p, region, log, step + 1, move, dptol)
