@@ -6,6 +6,7 @@ import time
 
 CHECKS = {
     "lint": ["ruff", "check", "--quiet", "."],
+    "format": ["ruff", "format", "--check", "--quiet", "."],
     "types": ["mypy"],
     # Unit tests, doctests, notebooks, figures and built pages: pyproject.toml says where they are.
     "tests": ["pytest", "--quiet"],
