@@ -112,6 +112,12 @@ def parts(tab, number=0):
     return explorer, explorer.locator("input"), explorer.locator("button")
 
 
+def stand_still(tab):
+    """Stop the page's clock: from now on only `tab.clock.run_for` moves it, however slow we are."""
+    tab.clock.install(time=0)
+    tab.clock.pause_at(1000)
+
+
 def test_the_keyboard_moves_the_picture_and_no_other(browser, page, frames):
     with opened(browser, page) as tab:
         explorer, sliders, _ = parts(tab)
@@ -176,7 +182,7 @@ def test_play_runs_to_the_end_and_over_again(browser, page, frames, by):
             button.focus()
             return tab.keyboard.press("Enter")
 
-        tab.clock.install()
+        stand_still(tab)
         press()
         assert button.get_attribute("aria-label") == "Pause size"
         tab.clock.run_for(650)
@@ -198,7 +204,7 @@ def test_play_runs_to_the_end_and_over_again(browser, page, frames, by):
 def test_a_hand_stops_play(browser, page, frames):
     with opened(browser, page) as tab:
         explorer, sliders, buttons = parts(tab)
-        tab.clock.install()
+        stand_still(tab)
         buttons.nth(0).click()
         buttons.nth(1).click()
         assert buttons.nth(0).get_attribute("aria-label") == "Play size"
@@ -214,7 +220,7 @@ def test_a_hand_stops_play(browser, page, frames):
 def test_play_is_calmer_for_who_asked_for_less_motion(browser, page, frames):
     with opened(browser, page, reduced_motion="reduce") as tab:
         explorer, _, buttons = parts(tab)
-        tab.clock.install()
+        stand_still(tab)
         buttons.nth(1).click()
         tab.clock.run_for(1100)
         assert source(explorer) == frames[0.15, 0, "upwind"]
@@ -299,7 +305,7 @@ def test_a_second_copy_of_the_script_changes_nothing(browser, page, frames):
         tab.evaluate(
             "new Function(document.querySelector('.explore > script:last-of-type').text)()"
         )
-        tab.clock.install()
+        stand_still(tab)
         buttons.nth(0).click()
         assert buttons.nth(0).get_attribute("aria-label") == "Pause size"
         tab.clock.run_for(650)
