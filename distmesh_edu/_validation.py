@@ -1,5 +1,6 @@
 """What every public door asks of its arguments: each error names one, its value, and a remedy."""
 
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -10,22 +11,45 @@ from scipy.spatial import cKDTree
 
 Points = NDArray[np.float64]
 
+LATTICE_LIMIT = 5e7
+"""Points of the first lattice: a gigabyte or two. Beyond, h0 is a slip rather than a wish."""
+
 
 def as_numbers(name: str, value: ArrayLike) -> Points:
     """Return `value` as a float array, or say that it holds something other than finite numbers."""
     try:
-        numbers = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise TypeError(
-            f"{name} must hold real numbers in rows of equal length; got {value!r}."
-        ) from error
+        raw = np.asarray(value)
+    except ValueError as error:
+        raise TypeError(f"{name} must hold numbers in rows of equal length; {error}.") from error
+    if raw.dtype.kind not in "iuf" and raw.size:
+        raise TypeError(f"{name} must hold real numbers; got {value!r}.")
+    numbers = raw.astype(np.float64)
     if not np.isfinite(numbers).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(numbers))[0])
-        raise ValueError(
-            f"{name} must be finite; {name}{list(where) if where else ''} is "
-            f"{numbers[where]}. Remove or replace it."
-        )
+        where = [int(i) for i in np.argwhere(~np.isfinite(numbers))[0]]
+        found = f"{name}{where if where else ''} is {numbers[tuple(where)]}"
+        raise ValueError(f"{name} must be finite; {found}. Remove or replace it.")
     return numbers
+
+
+def as_count(name: str, value: Any) -> int:
+    """Return `value` as a whole number of 1 at least."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be a whole number; got {value!r}.") from None
+    if number < 1:
+        raise ValueError(f"{name} must be 1 at least; got {number}.")
+    return number
+
+
+def as_generator(rng: Any) -> np.random.Generator:
+    """Return `rng` as a generator of random numbers."""
+    try:
+        return np.random.default_rng(rng)
+    except (TypeError, ValueError) as error:
+        raise type(error)(
+            f"rng must be a seed, a whole number of 0 at least, or a numpy Generator; got {rng!r}."
+        ) from error
 
 
 def as_positive(name: str, value: ArrayLike) -> float:
@@ -39,6 +63,8 @@ def as_positive(name: str, value: ArrayLike) -> float:
 def as_points(name: str, value: ArrayLike, dim: int) -> Points:
     """Return `value` as an array of points of shape (n, dim)."""
     points = as_numbers(name, value)
+    if points.size == 0:
+        points = points.reshape(-1, dim)
     if points.ndim != 2 or points.shape[1] != dim:
         raise ValueError(
             f"{name} must have the shape (n, {dim}), one point a row; got {points.shape}."
@@ -53,9 +79,10 @@ def as_bbox(bbox: ArrayLike, dim: int | None = None) -> Points:
         wanted = "((xmin, ymin), (xmax, ymax))" if dim in (2, None) else f"two rows of {dim}"
         raise ValueError(f"bbox must be {wanted}; got the shape {box.shape}.")
     if not (box[0] < box[1]).all():
+        axis = int(np.argmin(box[0] < box[1]))
         raise ValueError(
-            f"bbox must go from its lower to its upper corner; got {box[0].tolist()} to "
-            f"{box[1].tolist()}. Swap the two, or widen the box."
+            "bbox must hold the lower corner, then the upper one, ((xmin, ymin), (xmax, ymax)); "
+            f"along axis {axis} it runs from {box[0, axis]:g} to {box[1, axis]:g}."
         )
     return box
 
@@ -71,21 +98,25 @@ def as_field(name: str, field: Any) -> Any:
 
 
 def evaluate(name: str, field: Any, points: Points) -> Points:
-    """Return the field's values at points of shape (n, dim), checked: shape (n,) and finite."""
-    values = np.asarray(field(points), dtype=np.float64)
+    """Return the field's values at points of shape (..., dim), checked: shape (...) and finite."""
+    lent = points.view()
+    lent.flags.writeable = False  # a field that changes its argument fails in its own line
+    values = np.asarray(field(lent))
     if values.shape != points.shape[:-1]:
         raise ValueError(
             f"{name} must return one value a point: it was given points of shape "
             f"{points.shape} and returned the shape {values.shape}. Compute with p[..., 0] "
             "and p[..., 1], and keep the leading shape."
         )
+    if values.dtype.kind not in "iuf":
+        raise TypeError(f"{name} must return real numbers; it returned the type {values.dtype}.")
     if not np.isfinite(values).all():
-        i = int(np.argmin(np.isfinite(values)))
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
         raise ValueError(
-            f"{name} must be finite; it returned {values[i]} at {points[i].tolist()}. "
+            f"{name} must be finite; it returned {values[where]} at {points[where].tolist()}. "
             "Give it a value there, or keep the box away from that point."
         )
-    return values
+    return values.astype(np.float64)
 
 
 @dataclass(frozen=True)
@@ -105,6 +136,13 @@ class Region:
 
     def distance(self, p: Points) -> Points:
         return evaluate("fd", self.fd, p)
+
+    def slope(self, p: Points) -> float:
+        """Return about how long the gradient of fd is near its zeros: 1 for a distance."""
+        nearest = p[np.argsort(np.abs(self.distance(p)))[:20]]
+        steps = self.h0 / 10 * np.eye(p.shape[1])
+        rises = [self.distance(nearest + e) - self.distance(nearest - e) for e in steps]
+        return float(np.median(np.linalg.norm(rises, axis=0))) / (self.h0 / 5)
 
     def size(self, p: Points) -> Points:
         if self.fh is None:
@@ -130,19 +168,31 @@ def as_region(
         as_bbox(bbox, dim),
         np.empty((0, dim)) if pfix is None else as_points("pfix", pfix, dim),
     )
+    _check_size(region)
     _check_box(region)
     _check_fixed_points(region)
     return region
 
 
-def _check_box(region: Region) -> None:
-    """Refuse a box smaller than h0, and one that the region sticks out of."""
-    lower, upper = region.bbox
-    if region.h0 > (upper - lower).min():
+def _check_size(region: Region) -> None:
+    """Refuse a box smaller than h0, and an h0 so small that no memory would hold the lattice."""
+    sides = region.bbox[1] - region.bbox[0]
+    if region.h0 > sides.min():
         raise ValueError(
-            f"h0 must be smaller than the box; h0 = {region.h0:g}, and the box measures "
-            f"{' by '.join(f'{side:g}' for side in upper - lower)}."
+            f"h0 must not be larger than the box; h0 = {region.h0:g}, and the box measures "
+            f"{' by '.join(f'{side:g}' for side in sides)}."
         )
+    points = (sides / region.h0).prod()
+    if points > LATTICE_LIMIT:
+        raise ValueError(
+            f"h0 = {region.h0:g} would fill the box with {points:.1e} points, more than "
+            f"{LATTICE_LIMIT:.0e}. Take a larger h0, or a box closer to the region."
+        )
+
+
+def _check_box(region: Region) -> None:
+    """Refuse a box whose rim, sampled every h0, cuts the region."""
+    lower, upper = region.bbox
     counts = np.ceil((upper - lower) / region.h0).astype(int) + 1
     x, y = (np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True))
     rim = np.concatenate(

@@ -10,12 +10,11 @@ import warnings
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from ._types import ArrayLike, Field, FloatArray, IntArray
-from ._validation import Region, as_positive, as_region
+from ._validation import Region, as_count, as_generator, as_positive, as_region
 from .mesh import HISTORY, ConvergenceWarning, Mesh, radius_ratio, unique_edges
 
 # The functions of the single steps are for reading, and for whoever builds on them.
@@ -41,7 +40,8 @@ def distmesh2d(
     Parameters
     ----------
     fd : Field, length
-        Negative inside. A signed distance, or any smooth function with a gradient at its zeros.
+        Negative inside. A signed distance, or a smooth function whose gradient at its zeros has
+        a length of about 1: a factor of some tens does no harm.
     fh : Field or None, relative size
         The wanted edge length, up to a factor that the region's size decides. None is uniform.
     h0 : float, length
@@ -110,6 +110,8 @@ def distmesh2d(
     )
     for mesh in steps:
         last = mesh
+    if not last.converged:
+        warnings.warn(_how_far(last, dptol), ConvergenceWarning, stacklevel=2)
     return last
 
 
@@ -137,7 +139,8 @@ def distmesh2d_steps(
     Yields
     ------
     Mesh
-        Between retriangulations its triangles are those of the last one.
+        Between retriangulations its triangles are those of the last one. The last mesh yielded
+        is that of `distmesh2d`; whether it converged is for you to ask, no warning is given.
 
     Raises
     ------
@@ -155,9 +158,8 @@ def distmesh2d_steps(
     tuning = {"dptol": dptol, "ttol": ttol, "Fscale": Fscale, "deltat": deltat}
     for name, value in tuning.items():
         as_positive(name, value)
-    if max_steps < 1:
-        raise ValueError(f"max_steps must be 1 at least; got {max_steps}.")
-    return _relax(region, np.random.default_rng(rng), max_steps, **tuning)
+    steps = as_count("max_steps", max_steps)
+    return _relax(region, as_generator(rng), steps, **tuning)
 
 
 def _relax(
@@ -178,7 +180,7 @@ def _relax(
     fixed, move, log = len(region.pfix), np.inf, _Log(max_steps)
 
     for step in range(max_steps):
-        if largest_move(p, p_old) > ttol * region.h0:
+        if longest(p - p_old) > ttol * region.h0:
             p_old = p
             # 3. Retriangulate
             t = triangulate(p, region)
@@ -192,28 +194,26 @@ def _relax(
         # 6. Move the nodes by the forces of the bars
         F = bar_forces(p, bars, D, region, Fscale)
         F[:fixed] = 0
-        p = p + deltat * F
+        before, p = p, p + deltat * F
         # 7. Bring points back to the boundary
         p, interior = project(p, fixed, region)
-        # 8. Stop when the interior is at rest
-        move = largest_move(deltat * F[interior], 0) / region.h0
+        # 8. Stop when the interior is at rest; if there is none, when the boundary is
+        move = longest(deltat * F[interior] if len(interior) else p - before) / region.h0
         if move < dptol:
             break
 
-    yield _at_the_end(p, region, log, step + 1, move, dptol)
+    yield _at_the_end(p, region, log, step + 1, move, move < dptol)
 
 
 def _at_the_end(
-    p: FloatArray, region: Region, log: _Log, steps: int, move: float, dptol: float
+    p: FloatArray, region: Region, log: _Log, steps: int, move: float, converged: bool
 ) -> Mesh:
     """Return the mesh with triangles that belong to its nodes; if it never settled, the best."""
     log.record(steps, move, p, triangulate(p, region))
-    converged = move < dptol
     p, t = log.last if converged else log.best
-    mesh = Mesh(p, t, converged, steps, log.history)
-    if not converged:
-        _warn(mesh, dptol)
-    return mesh
+    # A node that a place thinner than h0 has left without a triangle would make a solver fail.
+    used = np.union1d(np.arange(len(region.pfix)), t)
+    return Mesh(p[used], np.searchsorted(used, t), converged, steps, log.history)
 
 
 class _Log:
@@ -232,6 +232,7 @@ class _Log:
         quality = radius_ratio(p, t)
         row = np.array([(step, move, quality.min(), quality.mean())], HISTORY)
         self.history = np.concatenate((self.history, row))
+        self.history.flags.writeable = False  # every mesh of the run shows it
         self.last = p, t
         if step >= self.half_time and quality.min() > self.best_quality:
             self.best_quality = quality.min()
@@ -251,36 +252,42 @@ def triangular_lattice(bbox: FloatArray, h0: float) -> FloatArray:
 
 def keep_inside(p: FloatArray, region: Region) -> FloatArray:
     """2a. Return the points inside, without those that a fixed point already stands on."""
-    p = p[region.distance(p) < region.geps]
+    lattice, p = p, p[region.distance(p) < region.geps]
     if len(region.pfix):
         gap, _ = cKDTree(region.pfix).query(p)
         p = p[gap > 1e-6 * region.h0]
     if len(p) + len(region.pfix) < 3:
         raise ValueError(
-            f"fd is negative at {len(p)} points only of a lattice of side h0 = {region.h0:g} in "
-            "the box: the region is empty, thinner than h0, or elsewhere. Take a smaller h0, "
-            "check bbox, or pass complement(fd) if fd is positive inside."
+            f"fd leaves {len(p)} points inside of a lattice of side h0 = {region.h0:g} in the "
+            "box: the region is empty, thinner than h0, or elsewhere. Take a smaller h0, check "
+            "bbox, or pass complement(fd) if fd is positive inside."
         )
+    _check_slope(region.slope(lattice))
     return p
 
 
 def reject(p: FloatArray, region: Region, rng: np.random.Generator) -> FloatArray:
     """2b. Keep each point with a probability proportional to the wanted density, 1 / h**2."""
-    density = region.size(p) ** -2.0
-    keep: NDArray[np.bool_] = rng.random(len(p)) < density / density.max(initial=0)
+    h = region.size(p)
+    keep = rng.random(len(p)) < (h.min(initial=np.inf) / h) ** 2
+    if keep.sum() + len(region.pfix) < 3:
+        raise ValueError(
+            f"fh keeps {keep.sum()} of {len(p)} points: over the region it goes from {h.min():g} "
+            f"to {h.max():g}. Take h0 near the smallest edge you want, or bound fh from below."
+        )
     return np.asarray(p[keep])
 
 
-def largest_move(p: FloatArray, p_old: FloatArray | float) -> float:
-    """Return the largest distance that a node has gone."""
-    way = p - p_old
-    return float(np.hypot(way[:, 0], way[:, 1]).max(initial=0))
+def longest(vectors: FloatArray) -> float:
+    """Return the length of the longest row."""
+    return float(np.hypot(vectors[:, 0], vectors[:, 1]).max(initial=0))
 
 
 def triangulate(p: FloatArray, region: Region) -> IntArray:
     """3. Return the Delaunay triangles whose centroids lie inside."""
     try:
-        t: IntArray = Delaunay(p).simplices.astype(np.int64)
+        # About the box's center: far from the origin Qhull would lose the digits that matter.
+        t: IntArray = Delaunay(p - region.bbox.mean(axis=0)).simplices.astype(np.int64)
     except QhullError:  # all the points lie on one line
         t = np.empty((0, 3), dtype=np.int64)
     centroids = p[t].mean(axis=1)
@@ -323,7 +330,8 @@ def project(p: FloatArray, fixed: int, region: Region) -> tuple[FloatArray, IntA
     d = region.distance(p)
     outside = fixed + np.flatnonzero(d[fixed:] > 0)
     q, dq = p[outside], d[outside]
-    deps = np.sqrt(np.finfo(float).eps) * region.h0  # best for a one-sided difference
+    # Best for a one-sided difference, of a field that varies over h0 at coordinates of that size.
+    deps = np.sqrt(np.finfo(float).eps * region.h0 * max(region.h0, np.abs(region.bbox).max()))
     shifts = deps * np.eye(2)
     gradient = np.stack([(region.distance(q + e) - dq) / deps for e in shifts], axis=1)
     square = (gradient**2).sum(axis=1)
@@ -333,13 +341,20 @@ def project(p: FloatArray, fixed: int, region: Region) -> tuple[FloatArray, IntA
     return p, np.flatnonzero(d < -region.geps)
 
 
-def _warn(mesh: Mesh, dptol: float) -> None:
-    warnings.warn(
+def _check_slope(slope: float) -> None:
+    """Refuse an fd that is far from a length: the tolerances compare it with h0."""
+    if not 0.02 < slope < 50:
+        raise ValueError(
+            f"fd must be a distance, or nearly so: near its zeros its gradient should have a "
+            f"length of about 1, and has {slope:.2g}. Divide fd by that."
+        )
+
+
+def _how_far(mesh: Mesh, dptol: float) -> str:
+    return (
         f"distmesh2d stopped at its cap of {mesh.steps} steps: in the last one a node still "
         f"moved {mesh.history['move'][-1]:.2g} h0, above dptol = {dptol:g}. The best mesh since "
         f"half-time is returned; its least quality is {mesh.quality.min():.2f}, the mean "
-        f"{mesh.quality.mean():.3f}. Raise max_steps, or look where the region is thinner "
-        "than h0.",
-        ConvergenceWarning,
-        stacklevel=5,
+        f"{mesh.quality.mean():.3f}. Raise max_steps, or look where the region is thinner than "
+        "h0, or fixed points are closer."
     )

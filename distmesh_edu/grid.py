@@ -176,8 +176,9 @@ def _check_division(box: FloatArray, steps: FloatArray) -> None:
             raise ValueError(f"dx must be positive; along axis {axis} it is {dx:g}.")
         cells = side / dx
         if round(cells) < 1 or abs(cells - round(cells)) > 1e-6:
-            fewer, more = max(int(cells), 1), int(cells) + 1
+            more = f"{side:g} / {int(cells) + 1}"
+            remedy = more if cells < 1 else f"{side:g} / {int(cells)} or {more}"
             raise ValueError(
                 f"dx must divide the box; along axis {axis} the side {side:g} holds "
-                f"{cells:.4g} steps of {dx:g}. Take {side / more:.6g} or {side / fewer:.6g}."
+                f"{cells:.4g} steps of {dx:g}. Take {remedy}."
             )

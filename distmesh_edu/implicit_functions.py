@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from ._types import ArrayLike, Field, FloatArray, IntArray
 from ._validation import as_bbox, as_field, as_numbers, as_points, as_positive
 
+_CANDIDATES = 500_000  # pairs of points and pieces compared at once, to bound the memory
 _BLOCK = 16_384  # points of a polygon's distance worked on at once: their arrays stay in the cache
 
 
@@ -170,7 +171,8 @@ def difference(region: Field, *holes: Field) -> Field:
     >>> difference(circle(), circle(radius=0.5))(np.array([[0.6, 0.0], [0.0, 0.0]]))
     array([-0.1,  0.5])
     """
-    return intersection(region, *(complement(hole) for hole in _parts("difference", holes)))
+    parts = _parts("difference", (region, *holes)) if holes else _parts("difference", ())
+    return intersection(parts[0], *(complement(hole) for hole in parts[1:]))
 
 
 def complement(field: Field) -> Field:
@@ -213,13 +215,15 @@ def polygon(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> Field:
     Returns
     -------
     Field
-        Exact everywhere. Memory grows with the number of points, not with points times corners.
+        Exact everywhere. Quick where sides are of like length: a few long ones among thousands
+        of short ones cost time.
 
     Raises
     ------
     ValueError
         If a ring has fewer than three corners, a corner twice in a row, or a NaN; if rings cross
-        or touch themselves or one another; or if a hole lies outside.
+        or (up to rounding) touch themselves or one another; or if a hole lies outside, or in
+        another hole.
 
     Notes
     -----
@@ -243,18 +247,16 @@ def polygon(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> Field:
             f"{crossing[0].tolist()} and {crossing[1].tolist()} meet. Separate them, or give "
             "the parts as polygons of their own and take their union."
         )
-    shore = _Sides(rings[:1])
-    for number, hole in enumerate(rings[1:]):
-        if shore.signed_distance(hole[:1])[0] > 0:
-            raise ValueError(
-                f"holes[{number}] must lie inside the polygon; its corner {hole[0].tolist()} "
-                "does not. Check the order of the arguments."
-            )
+    _check_nesting(rings)
 
     def distance(p: FloatArray) -> FloatArray:
-        points = np.asarray(p, dtype=np.float64).reshape(-1, 2)
-        blocks = np.array_split(points, len(points) // _BLOCK + 1)
-        return np.concatenate([sides.signed_distance(b) for b in blocks]).reshape(p.shape[:-1])
+        points = np.asarray(p, dtype=np.float64)
+        if points.shape[-1:] != (2,):
+            raise ValueError(f"p must have the shape (..., 2); got {points.shape}.")
+        rows = points.reshape(-1, 2)
+        blocks = np.array_split(rows, len(rows) // _BLOCK + 1)
+        values = np.concatenate([sides.signed_distance(block) for block in blocks])
+        return np.asarray(values.reshape(points.shape[:-1]))
 
     return distance
 
@@ -300,15 +302,17 @@ def _signed_area(ring: FloatArray) -> float:
 
 def _rings(vertices: ArrayLike, holes: Sequence[ArrayLike]) -> list[FloatArray]:
     """Return the rings with the region on their left: outer one anticlockwise, holes clockwise."""
+    if len(holes) and np.ndim(holes[0]) == 1:
+        raise ValueError("holes must be a list of rings; got one ring. Write holes=[ring].")
     rings = []
     named = [("vertices", vertices), *((f"holes[{k}]", hole) for k, hole in enumerate(holes))]
     for name, corners in named:
         ring = as_points(name, corners, dim=2)
-        if len(ring) > 1 and (ring[0] == ring[-1]).all():
+        if len(ring) > 1 and _same(ring[0], ring[-1], ring):
             ring = ring[:-1]
         if len(ring) < 3:
             raise ValueError(f"{name} must have three corners at least; got {len(ring)}.")
-        twice = (ring == np.roll(ring, -1, axis=0)).all(axis=1)
+        twice = _same(ring, np.roll(ring, -1, axis=0), ring)
         if twice.any():
             raise ValueError(
                 f"{name} has the corner {ring[int(np.argmax(twice))].tolist()} twice in a row. "
@@ -317,6 +321,31 @@ def _rings(vertices: ArrayLike, holes: Sequence[ArrayLike]) -> list[FloatArray]:
         region_on_left = (_signed_area(ring) > 0) == (name == "vertices")
         rings.append(ring if region_on_left else ring[::-1])
     return rings
+
+
+def _same(a: FloatArray, b: FloatArray, ring: FloatArray) -> NDArray[np.bool_]:
+    """Say which points are equal up to rounding: a ring closed by a cosine of 2 pi is closed."""
+    rounding = 1e-12 * np.ptp(ring, axis=0).max() + 4 * np.spacing(np.abs(ring).max())
+    return np.asarray(np.linalg.norm(a - b, axis=-1) <= rounding)
+
+
+def _check_nesting(rings: Sequence[FloatArray]) -> None:
+    """Refuse a hole outside, or in another hole; no rings cross, so that one corner tells."""
+    outer, *holes = rings
+    regions = [_Sides([outer])] + [_Sides([hole[::-1]]) for hole in holes]
+    for k, hole in enumerate(holes):
+        inside = [region.signed_distance(hole[:1])[0] < 0 for region in regions]
+        if not inside[0]:
+            raise ValueError(
+                f"holes[{k}] must lie inside the polygon; its corner {hole[0].tolist()} does "
+                "not. Check the order of the arguments."
+            )
+        others = [m for m in range(len(holes)) if m != k and inside[m + 1]]
+        if others:
+            raise ValueError(
+                f"holes[{k}] lies inside holes[{others[0]}]. Remove it, or, if it is an island "
+                "in the hole, take the union with a polygon of its own."
+            )
 
 
 class _Sides:
@@ -357,16 +386,21 @@ class _Sides:
         unsure, k = np.arange(len(p)), 8
         while unsure.size:
             k = min(k, self.tree.n)
-            reach, piece = self.tree.query(p[unsure], k=k)
-            candidates = self.owner[piece]
-            _, offset = self.offset(p[unsure, None], candidates)
-            distance = np.hypot(offset[..., 0], offset[..., 1])
-            side[unsure] = np.take_along_axis(candidates, distance.argmin(1)[:, None], 1)[:, 0]
-            # No piece beyond the k-th is closer than its middle, the k-th's or farther, allows.
-            missed = distance.min(axis=1) > reach[:, -1] - self.half_piece
+            blocks = np.array_split(unsure, unsure.size * k // _CANDIDATES + 1)
+            missed = np.concatenate([self._search(p, block, k, side) for block in blocks])
             unsure = unsure[missed & (k < self.tree.n)]
             k *= 2
         return side
+
+    def _search(self, p: FloatArray, which: IntArray, k: int, side: IntArray) -> NDArray[np.bool_]:
+        """Write the side closest to some points, of k pieces each; say where others may be."""
+        reach, piece = self.tree.query(p[which], k=k)
+        candidates = self.owner[piece]
+        _, offset = self.offset(p[which, None], candidates)
+        distance = np.hypot(offset[..., 0], offset[..., 1])
+        side[which] = np.take_along_axis(candidates, distance.argmin(1)[:, None], 1)[:, 0]
+        # No piece beyond the k-th is closer than its middle, the k-th's or farther, allows.
+        return np.asarray(distance.min(axis=1) > reach[:, -1] - self.half_piece)
 
     def offset(self, p: FloatArray, side: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return where on a side (0 start, 1 end) its point closest to p is, and the way to p."""
@@ -376,8 +410,11 @@ class _Sides:
 
     def first_crossing(self) -> tuple[FloatArray, FloatArray] | None:
         """Return the starts of two sides that meet elsewhere than at a common corner, or None."""
-        for i in range(len(self.start)):
-            j = np.arange(i + 1, len(self.start))
+        x = np.sort(np.stack((self.start[:, 0], self.end[:, 0])), axis=0)
+        order = np.argsort(x[0])
+        ahead = np.searchsorted(x[0][order], x[1][order], side="right")
+        for k, i in enumerate(order):
+            j = order[k + 1 : ahead[k]]  # the sides that begin, from left to right, before i ends
             neighbour = (self.after[j] == i) | (self.after[i] == j)
             meets = np.where(neighbour, self._folds_back(i, j), self._meets(i, j))
             if meets.any():
@@ -388,14 +425,14 @@ class _Sides:
         """Say which sides j have a point in common with side i."""
         a, b, c, d = self.start[i], self.end[i], self.start[j], self.end[j]
         apart = (np.maximum(a, b) < np.minimum(c, d)) | (np.maximum(c, d) < np.minimum(a, b))
-        split_by_i = _cross(b - a, c - a) * _cross(b - a, d - a) <= 0
-        split_by_j = _cross(d - c, a - c) * _cross(d - c, b - c) <= 0
+        split_by_i = _side(b - a, c - a) * _side(b - a, d - a) <= 0
+        split_by_j = _side(d - c, a - c) * _side(d - c, b - c) <= 0
         return np.asarray(~apart.any(axis=1) & split_by_i & split_by_j)
 
     def _folds_back(self, i: int, j: IntArray) -> NDArray[np.bool_]:
         """Say which sides j, neighbours of i, run back along it."""
         u, v = self.vector[i], self.vector[j]
-        return np.asarray((_cross(u, v) == 0) & ((u * v).sum(axis=-1) < 0))
+        return np.asarray((_side(u, v) == 0) & ((u * v).sum(axis=-1) < 0))
 
 
 def _numbers_per_ring(rings: Sequence[FloatArray]) -> list[IntArray]:
@@ -403,5 +440,6 @@ def _numbers_per_ring(rings: Sequence[FloatArray]) -> list[IntArray]:
     return np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
 
 
-def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
-    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+def _side(u: FloatArray, v: FloatArray) -> FloatArray:
+    """Return 1 where v points to the left of u, -1 where to the right, 0 along it."""
+    return np.asarray(np.sign(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]))

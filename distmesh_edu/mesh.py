@@ -92,7 +92,7 @@ class Mesh:
 
     @cached_property
     def orientation(self) -> IntArray:
-        """1 for each triangle that runs anticlockwise, 0 for a flat one, -1 for a clockwise one."""
+        """1 for each triangle, which runs anticlockwise in a mesh, and 0 for a flat one."""
         return np.asarray(np.sign(self.areas), dtype=np.int64)
 
     @cached_property
@@ -219,11 +219,15 @@ def unique_edges(t: IntArray) -> IntArray:
 
 def _keys(pairs: IntArray) -> IntArray:
     """Return one number for each pair of nodes, whatever their order."""
+    pairs = pairs.astype(np.int64, copy=False)  # 32 bits would not hold it
     return np.asarray((pairs.min(axis=1) << 32) | pairs.max(axis=1))
 
 
 def _as_triangles(t: ArrayLike, nodes: int) -> IntArray:
-    rows = np.asarray(t)
+    try:
+        rows = np.asarray(t)
+    except ValueError as error:
+        raise ValueError(f"t must hold three node numbers a row; {error}.") from error
     if rows.size == 0:
         rows = rows.reshape(0, 3).astype(np.int64)
     if rows.ndim != 2 or rows.shape[1] != 3 or not np.issubdtype(rows.dtype, np.integer):
@@ -235,4 +239,7 @@ def _as_triangles(t: ArrayLike, nodes: int) -> IntArray:
             f"t must name nodes 0 to {nodes - 1}; it holds {rows.min()} to {rows.max()}. "
             "Numbers start at 0."
         )
+    twice = (rows == np.roll(rows, 1, axis=1)).any(axis=1)
+    if twice.any():
+        raise ValueError(f"t names a node twice in {rows[int(np.argmax(twice))].tolist()}.")
     return rows.astype(np.int64)

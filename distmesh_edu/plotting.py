@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from ._types import ArrayLike, Field, FloatArray
-from ._validation import as_bbox
+from ._validation import as_bbox, as_count, as_field, evaluate
 from .grid import Grid
 from .mesh import Mesh
 
@@ -116,9 +116,9 @@ def plot_field(
     (5, 5)
     """
     lower, upper = as_bbox(bbox, dim=2)
-    cells = np.ceil(nodes * (upper - lower) / (upper - lower).max())
+    cells = np.ceil(as_count("nodes", nodes) * (upper - lower) / (upper - lower).max())
     grid = Grid((lower, upper), tuple((upper - lower) / cells))
-    values = field(grid.points)
+    values = evaluate("field", as_field("field", field), grid.points)
     # Matplotlib wants rows of y: here alone, arrays are transposed.
     ax.contour(*grid.axes, values.T, levels=levels, colors="#8195a8", linewidths=0.8)
     ax.contour(*grid.axes, values.T, levels=[0.0], colors=ACCENT, linewidths=2.0)

@@ -116,6 +116,10 @@ def test_history_tells_how_the_quality_went():
     assert mesh.history["mean_quality"][-1] > mesh.history["mean_quality"][1]
 
 
+def test_an_empty_list_of_fixed_points_is_none():
+    assert len(de.distmesh2d(de.circle(), None, 0.2, BOX, []).p) == 88
+
+
 def test_one_seed_one_mesh():
     size = lambda p: 1 + 4 * np.hypot(*p.T)  # noqa: E731
 
@@ -179,10 +183,58 @@ def test_meshes_of_random_regions_are_valid(x, y, h0, grading, seed):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", de.ConvergenceWarning)
         mesh = de.distmesh2d(region, fh, h0, ((-2, -2), (2, 2)), rng=seed, max_steps=150)
-    assert (mesh.orientation >= 0).all()
+    assert len(np.unique(mesh.t)) == len(mesh.p)
     assert mesh.quality.mean() > 0.7
     assert region(mesh.p).max() < 0.05 * h0
     assert np.unique(mesh.p, axis=0).shape == mesh.p.shape
+
+
+@pytest.mark.parametrize("offset", [1e3, 1e6, 1e7])
+def test_far_from_the_origin_the_mesh_is_the_same(offset):
+    mesh = de.distmesh2d(de.circle((offset, offset)), None, 0.1, np.array(BOX) + offset)
+    assert (len(mesh.p), len(mesh.t), mesh.converged) == (362, 661, True)
+    boundary = mesh.p[np.unique(mesh.boundary_facets)] - offset
+    np.testing.assert_allclose(np.hypot(*boundary.T), 1, atol=1e-6)
+
+
+def test_without_interior_nodes_the_boundary_must_come_to_rest():
+    ring = de.difference(de.circle(), de.circle(radius=0.9))
+    mesh = de.distmesh2d(ring, None, 0.1, BOX)
+    assert mesh.converged
+    assert 0 < mesh.history["move"][-1] < 0.001
+    assert mesh.quality.min() > 0.5
+
+
+def test_no_node_is_left_without_a_triangle():
+    bridge = de.rectangle(((-2, -0.03), (2, 0.03)))
+    region = de.union(de.circle((-2, 0)), de.circle((2, 0)), bridge)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", de.ConvergenceWarning)
+        mesh = de.distmesh2d(region, None, 0.2, ((-3, -1), (3, 1)), max_steps=100)
+    np.testing.assert_array_equal(np.unique(mesh.t), np.arange(len(mesh.p)))
+
+
+def test_what_a_mesh_shows_of_its_run_cannot_be_changed():
+    first = next(de.distmesh2d_steps(de.circle(), None, 0.2, BOX))
+    with pytest.raises(ValueError, match="read-only"):
+        first.history["move"] = 7
+
+
+def careless(p):
+    p -= 0.1
+    return de.circle()(p)
+
+
+def test_a_field_that_changes_its_argument_fails_in_its_own_line():
+    with pytest.raises(ValueError, match="read-only") as raised:
+        de.distmesh2d(careless, None, 0.2, BOX)
+    assert raised.traceback[-1].name == "careless"
+
+
+def test_steps_do_not_warn(recwarn):
+    *_, last = de.distmesh2d_steps(de.circle(), None, 0.2, BOX, max_steps=3)
+    assert not last.converged
+    assert len(recwarn) == 0
 
 
 def nan_at_right(p):
@@ -203,10 +255,10 @@ def nan_at_right(p):
         ({"h0": 0}, ValueError, "h0 must be one positive number; got 0"),
         ({"h0": -0.1}, ValueError, "h0 must be one positive number"),
         ({"h0": np.nan}, ValueError, "h0 must be finite"),
-        ({"h0": 3}, ValueError, "h0 must be smaller than the box; h0 = 3, .* 2 by 2"),
+        ({"h0": 3}, ValueError, "h0 must not be larger than the box; h0 = 3, .* 2 by 2"),
         ({"bbox": (-1, 1)}, ValueError, r"bbox must be \(\(xmin, ymin\), \(xmax, ymax\)\)"),
         ({"bbox": ((-1, -1, -1), (1, 1, 1))}, ValueError, "bbox must be"),
-        ({"bbox": ((1, 1), (-1, -1))}, ValueError, "lower to its upper corner"),
+        ({"bbox": ((1, 1), (-1, -1))}, ValueError, "bbox must hold the lower corner"),
         ({"bbox": ((-1, -1), (0.5, 1))}, ValueError, "bbox cuts the region: fd is -0.5 at.*Widen"),
         ({"fh": lambda p: p[..., 0] + 0.5}, ValueError, "fh must be positive"),
         ({"fh": lambda p: 0 * p[..., 0]}, ValueError, "fh must be positive"),
@@ -218,6 +270,15 @@ def nan_at_right(p):
         ({"pfix": [(0, 0, 0)]}, ValueError, r"pfix must have the shape \(n, 2\)"),
         ({"pfix": [(0, np.nan)]}, ValueError, "pfix must be finite"),
         ({"max_steps": 0}, ValueError, "max_steps must be 1"),
+        ({"max_steps": 10.0}, TypeError, "max_steps must be a whole number; got 10.0"),
+        ({"rng": -1}, ValueError, "rng must be a seed.*got -1"),
+        ({"rng": "a"}, TypeError, "rng must be a seed.*got 'a'"),
+        ({"h0": None}, TypeError, "h0 must hold real numbers; got None"),
+        ({"h0": 1e-5}, ValueError, "h0 = 1e-05 would fill the box with 4.0e.10 points"),
+        ({"fd": lambda p: 1e-3 * de.circle()(p)}, ValueError, "fd must be a distance.*0.001"),
+        ({"fd": lambda p: np.sign(de.circle()(p))}, ValueError, "fd must be a distance"),
+        ({"fd": lambda p: de.circle()(p) + 1j}, TypeError, "fd must return real numbers"),
+        ({"fh": lambda p: 1e-3 + np.hypot(*p.T)}, ValueError, "fh keeps 2 of 88 points"),
         ({"deltat": -1}, ValueError, "deltat must be one positive number"),
         ({"dptol": 0}, ValueError, "dptol must be one positive number"),
     ],

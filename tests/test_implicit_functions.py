@@ -105,6 +105,54 @@ def test_polygon_keeps_the_leading_shape_and_takes_many_points():
     assert field(np.zeros((40_000, 2))).shape == (40_000,)
 
 
+@pytest.mark.parametrize("start", np.linspace(0, 6, 50))
+def test_a_ring_closed_up_to_rounding_is_closed(start):
+    angle = np.linspace(start, start + 2 * np.pi, 30)
+    ring = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    assert de.polygon(ring)(np.zeros((1, 2)))[0] == pytest.approx(-np.cos(np.pi / 29))
+
+
+@pytest.mark.parametrize(
+    ("scale", "offset"), [(1e-9, 0), (1, 0), (1, 1e6), (1e6, 0), (1e6, 1e6), (1e6, 1e9)]
+)
+def test_polygon_of_any_size_and_place(scale, offset):
+    p = np.random.default_rng(4).uniform(-4, 4, (500, 2))
+    d = de.polygon(STAR * scale + offset)(p * scale + offset)
+    np.testing.assert_allclose(d / scale, de.polygon(STAR)(p), atol=1e-9 + 1e-14 * offset / scale)
+
+
+def crosses(ring):
+    """Say whether two sides that are not neighbours cross, one pair after the other."""
+
+    def left(a, b, c):
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0
+
+    n, corner = len(ring), [*ring, ring[0]]
+    for i in range(n):
+        for j in range(i + 2, n - (i == 0)):
+            a, b, c, d = corner[i], corner[i + 1], corner[j], corner[j + 1]
+            if left(a, b, c) != left(a, b, d) and left(c, d, a) != left(c, d, b):
+                return True
+    return False
+
+
+def test_crossings_are_found_wherever_they_are():
+    rng = np.random.default_rng(5)
+    found = []
+    for _ in range(200):
+        ring = random_star(rng, 12)
+        i, j = rng.choice(12, 2, replace=False)
+        ring[[i, j]] = ring[[j, i]]  # two corners have changed places
+        try:
+            de.polygon(ring)
+        except ValueError:
+            found.append(True)
+        else:
+            found.append(False)
+        assert found[-1] == crosses(ring)
+    assert 10 < sum(found) < 200
+
+
 def test_polygon_area_subtracts_holes_wherever_it_lies():
     hole = 0.25 * SQUARE
     assert de.polygon_area(SQUARE, [hole]) == pytest.approx(3.75)
@@ -150,11 +198,13 @@ TOUCHING = [(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)]
         (lambda: de.circle(radius=np.nan), ValueError, "radius must be finite"),
         (lambda: de.circle(center=(1, 2, 3)), ValueError, r"center must be one point \(x, y\)"),
         (lambda: de.circle(center="here"), TypeError, "center must hold real numbers"),
-        (lambda: de.rectangle(((0, 0), (0, 1))), ValueError, "lower to its upper corner"),
+        (lambda: de.rectangle(((0, 0), (0, 1))), ValueError, "bbox must hold the lower corner"),
         (lambda: de.rectangle((0, 1)), ValueError, "bbox must be"),
         (lambda: de.union(), TypeError, "union needs at least one"),
         (lambda: de.union(de.circle(), 3), TypeError, "argument 2 of union must be a field"),
         (lambda: de.difference(de.circle()), TypeError, "difference needs"),
+        (lambda: de.difference(3, de.circle()), TypeError, "argument 1 of difference must be"),
+        (lambda: de.difference(de.circle(), 3), TypeError, "argument 2 of difference must be"),
         (lambda: de.complement(None), TypeError, "field must be a field"),
         (lambda: de.polygon([(0, 0), (1, 1)]), ValueError, "vertices must have three corners"),
         (lambda: de.polygon([(0, 0), (1, 1), (0, 0)]), ValueError, "three corners"),
@@ -171,6 +221,10 @@ TOUCHING = [(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)]
             r"holes\[0\] must have three",
         ),
         (lambda: de.polygon([[0, 0, 0]] * 3), ValueError, r"shape \(n, 2\)"),
+        (lambda: de.polygon(SQUARE, SQUARE / 2), ValueError, r"Write holes=\[ring\]"),
+        (lambda: de.polygon(SQUARE, [SQUARE / 2, SQUARE / 4]), ValueError, "lies inside holes"),
+        (lambda: de.polygon(SQUARE)(np.zeros((4, 3))), ValueError, r"shape \(\.\.\., 2\)"),
+        (lambda: de.circle(radius=None), TypeError, "radius must hold real numbers; got None"),
     ],
 )
 def test_bad_input_is_named(make, error, words):

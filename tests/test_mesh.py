@@ -33,7 +33,7 @@ def test_clockwise_triangles_are_turned_round():
 
 
 def test_a_flat_triangle_has_quality_and_orientation_zero():
-    mesh = de.Mesh([(0, 0), (1, 0), (2, 0), (2, 0)], [(0, 1, 2), (2, 3, 2)])
+    mesh = de.Mesh([(0, 0), (1, 0), (2, 0), (0, 0), (0, 0)], [(0, 1, 2), (0, 3, 4)])
     np.testing.assert_array_equal(mesh.quality, [0, 0])
     np.testing.assert_array_equal(mesh.orientation, [0, 0])
 
@@ -88,6 +88,12 @@ def test_edges_equal_a_set_of_pairs():
     assert [tuple(edge) for edge in unique_edges(t.astype(np.int64)).tolist()] == sorted(pairs)
 
 
+@pytest.mark.parametrize("kind", [np.uint8, np.int32, np.uint32, np.int64])
+def test_edges_of_every_type_of_integer(kind):
+    t = np.array([(0, 1, 2), (2, 1, 3)], dtype=kind)
+    assert unique_edges(t).tolist() == [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]
+
+
 def test_edge_lengths():
     np.testing.assert_allclose(
         np.sort(de.Mesh(SQUARE, [(0, 1, 2), (0, 2, 3)]).edge_lengths), [1, 1, 1, 1, np.sqrt(2)]
@@ -103,6 +109,8 @@ def test_edge_lengths():
         (SQUARE, [(0.5, 1, 2)], "three node numbers a row"),
         ([(0, 0, 0)], [], r"p must have the shape \(n, 2\)"),
         ([(0, np.inf)], [], r"p\[0, 1\] is inf"),
+        (SQUARE, [(0, 1, 2), (0, 1)], "three node numbers a row"),
+        (SQUARE, [(0, 0, 1)], r"t names a node twice in \[0, 0, 1\]"),
     ],
 )
 def test_bad_input_is_named(p, t, words):
