@@ -28,7 +28,7 @@ bench: $(INSTALLED) ## measure how fast it is, and print it
 	$(BIN)/python -m benchmarks
 
 notebooks: $(INSTALLED) ## open the book's notebooks in JupyterLab
-	$(BIN)/jupyter lab book
+	$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) book
 
 refresh: $(INSTALLED) ## execute the committed notebooks afresh, in place, and rebuild the book
 	@$(BIN)/python -m tools.refresh
