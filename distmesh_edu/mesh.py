@@ -239,7 +239,8 @@ def _as_triangles(t: ArrayLike, nodes: int) -> IntArray:
             f"t must name nodes 0 to {nodes - 1}; it holds {rows.min()} to {rows.max()}. "
             "Numbers start at 0."
         )
-    twice = (rows == np.roll(rows, 1, axis=1)).any(axis=1)
+    a, b, c = rows.T
+    twice = (a == b) | (b == c) | (c == a)
     if twice.any():
         raise ValueError(f"t names a node twice in {rows[int(np.argmax(twice))].tolist()}.")
     return rows.astype(np.int64)

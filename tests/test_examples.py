@@ -56,3 +56,21 @@ def test_a_mesh_of_the_lake_leaves_the_islands_out():
     centroids = mesh.p[mesh.t].mean(axis=1)
     assert (de.polygon(largest)(centroids) > 0).all()
     assert mesh.euler_characteristic < 0
+
+
+def test_the_lake_fine_at_the_shore_is_good_once_its_worst_triangle_is():
+    """What chapter 8 does: stop at the first triangulation that is good enough."""
+    lake, box = de.examples.lake_superior(), ((-310, -120), (276, 166))
+    grid = de.Grid(box, 2)
+    size = grid.interpolate(6 + 0.2 * np.abs(lake(grid.points)), degree=1)
+    for mesh in de.distmesh2d_steps(lake, size, 6, box, max_steps=500):
+        latest = mesh.history[-1]
+        if latest["step"] == mesh.steps and latest["minimum_quality"] > 0.4:
+            break
+    shore, *islands = de.examples.lake_superior_shores()
+    assert mesh.quality.min() >= 0.3
+    assert mesh.quality.mean() >= 0.93
+    assert mesh.area == pytest.approx(de.polygon_area(shore, islands), rel=0.015)
+    at_shore = np.isin(mesh.edges, mesh.boundary_facets).all(axis=1)
+    assert np.median(mesh.edge_lengths[at_shore]) == pytest.approx(6.6, abs=0.6)
+    assert mesh.edge_lengths.max() > 20
