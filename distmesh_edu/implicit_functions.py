@@ -12,6 +12,7 @@ from ._types import ArrayLike, Field, FloatArray, IntArray
 from ._validation import as_bbox, as_field, as_numbers, as_points, as_positive
 
 _CANDIDATES = 500_000  # pairs of points and pieces compared at once, to bound the memory
+_SPREAD = 64.0  # how much longer the longest side in a tree may be than the shortest
 _BLOCK = 16_384  # points of a polygon's distance worked on at once: their arrays stay in the cache
 
 
@@ -215,8 +216,7 @@ def polygon(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> Field:
     Returns
     -------
     Field
-        Exact everywhere. Quick where sides are of like length: a few long ones among thousands
-        of short ones cost time.
+        Exact everywhere. Memory grows with the number of points, not with points times corners.
 
     Raises
     ------
@@ -363,13 +363,21 @@ class _Sides:
         self.normals = np.stack([outward + outward[before], outward, outward + outward[after]])
         self.after: IntArray = after
 
-        # A tree of points bounds the distance to a side well only if the sides are short: cut them.
-        pieces = np.ceil(self.length / (2 * self.length.mean())).astype(np.int64)
-        self.owner = np.repeat(np.arange(len(pieces)), pieces)
-        number = np.arange(len(self.owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-        fraction = (number + 0.5) / pieces[self.owner]
-        self.tree = cKDTree(self.start[self.owner] + fraction[:, None] * self.vector[self.owner])
-        self.half_piece = float((self.length / pieces).max()) / 2
+        level = np.floor(np.log(self.length.max() / self.length) / np.log(_SPREAD))
+        self.trees = [self._tree(np.flatnonzero(level == one)) for one in np.unique(level)]
+
+    def _tree(self, sides: IntArray) -> tuple[cKDTree, IntArray, float]:
+        """Cut sides into pieces; return a tree of their middles, their sides, half the longest.
+
+        Middles bound the distance to the pieces well only if these are short and of like length.
+        """
+        length = self.length[sides]
+        pieces = np.ceil(length / (2 * length.mean())).astype(np.int64)
+        owner = np.repeat(sides, pieces)
+        number = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        fraction = (number + 0.5) / np.repeat(pieces, pieces)
+        tree = cKDTree(self.start[owner] + fraction[:, None] * self.vector[owner])
+        return tree, owner, float((length / pieces).max()) / 2
 
     def signed_distance(self, p: FloatArray) -> FloatArray:
         """Return the signed distance at points of shape (n, 2)."""
@@ -382,25 +390,34 @@ class _Sides:
 
     def closest(self, p: FloatArray) -> IntArray:
         """Return the number of the side closest to each point."""
-        side = np.empty(len(p), dtype=np.int64)
-        unsure, k = np.arange(len(p)), 8
-        while unsure.size:
-            k = min(k, self.tree.n)
-            blocks = np.array_split(unsure, unsure.size * k // _CANDIDATES + 1)
-            missed = np.concatenate([self._search(p, block, k, side) for block in blocks])
-            unsure = unsure[missed & (k < self.tree.n)]
-            k *= 2
+        side = np.zeros(len(p), dtype=np.int64)
+        least = np.full(len(p), np.inf)
+        for tree, owner, half_piece in self.trees:
+            unsure, k = np.arange(len(p)), 8
+            while unsure.size:
+                k = min(k, tree.n)
+                missed = []
+                for which in np.array_split(unsure, unsure.size * k // _CANDIDATES + 1):
+                    found = tree.query(p[which], k=k)
+                    reach, piece = (one.reshape(-1, k) for one in found)  # k = 1 gives a row
+                    self._improve(p, which, owner[piece], side, least)
+                    # No piece beyond the k-th is closer than its middle, as far at least, allows.
+                    missed.append(least[which] > reach[:, -1] - half_piece)
+                unsure = unsure[np.concatenate(missed) & (k < tree.n)]
+                k *= 2
         return side
 
-    def _search(self, p: FloatArray, which: IntArray, k: int, side: IntArray) -> NDArray[np.bool_]:
-        """Write the side closest to some points, of k pieces each; say where others may be."""
-        reach, piece = self.tree.query(p[which], k=k)
-        candidates = self.owner[piece]
-        _, offset = self.offset(p[which, None], candidates)
+    def _improve(
+        self, p: FloatArray, which: IntArray, sides: IntArray, side: IntArray, least: FloatArray
+    ) -> None:
+        """Where one of some sides is closer to a point than the closest so far, write it down."""
+        _, offset = self.offset(p[which, None], sides)
         distance = np.hypot(offset[..., 0], offset[..., 1])
-        side[which] = np.take_along_axis(candidates, distance.argmin(1)[:, None], 1)[:, 0]
-        # No piece beyond the k-th is closer than its middle, the k-th's or farther, allows.
-        return np.asarray(distance.min(axis=1) > reach[:, -1] - self.half_piece)
+        best = distance.argmin(axis=1)[:, None]
+        distance = np.take_along_axis(distance, best, axis=1)[:, 0]
+        closer = distance < least[which]
+        least[which[closer]] = distance[closer]
+        side[which[closer]] = np.take_along_axis(sides, best, axis=1)[closer, 0]
 
     def offset(self, p: FloatArray, side: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return where on a side (0 start, 1 end) its point closest to p is, and the way to p."""

@@ -97,6 +97,18 @@ def test_polygon_far_from_everything_and_at_the_center_of_a_circle():
     assert d[0] < 0 < d[2]
 
 
+def test_polygon_with_a_finely_drawn_bay():
+    # Sides of very different lengths stand in trees of their own.
+    t = np.linspace(0, 1, 3000)
+    bay = np.stack((0.495 + 0.01 * t, 1e-3 * np.sin(60 * np.pi * t) ** 2), axis=1)
+    ring = np.concatenate(([(0, 0)], bay, [(1, 0), (1, 1), (0, 1)]))
+    p = np.random.default_rng(0).uniform((0.49, -0.01), (0.51, 0.01), (200, 2))
+    p = np.concatenate((p, np.random.default_rng(1).uniform(-0.5, 1.5, (200, 2))))
+    d = de.polygon(ring)(p)
+    np.testing.assert_allclose(np.abs(d), brute_force_distance([ring], p), atol=1e-14)
+    np.testing.assert_array_equal(d < 0, inside_by_parity([ring], p))
+
+
 def test_polygon_keeps_the_leading_shape_and_takes_many_points():
     field = de.polygon(SQUARE)
     assert field(np.zeros((4, 5, 2))).shape == (4, 5)
