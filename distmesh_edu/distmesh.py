@@ -197,8 +197,9 @@ def _relax(
         before, p = p, p + deltat * F
         # 7. Bring points back to the boundary
         p, interior = project(p, fixed, region)
-        # 8. Stop when the interior is at rest; if there is none, when the boundary is
-        move = longest(deltat * F[interior] if len(interior) else p - before) / region.h0
+        # 8. Stop when the interior is at rest (if there is none, the boundary)
+        moves = deltat * F[interior] if len(interior) else p - before
+        move = longest(moves) / region.h0
         if move < dptol:
             break
 
