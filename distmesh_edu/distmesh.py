@@ -75,19 +75,21 @@ def distmesh2d(
         If a field cannot be called.
     ValueError
         If an argument makes no sense, a field returns a NaN or the wrong shape, fh is not
-        positive, a fixed point lies outside or is given twice, the box cuts the region, or no
-        triangle of size h0 fits inside.
+        positive, fd is far from a length, a fixed point lies outside or is given twice, the box
+        cuts the region, no triangle of size h0 fits inside, or no memory would hold the lattice.
 
     Warns
     -----
     ConvergenceWarning
-        If `max_steps` did not suffice; the mesh so far is returned.
+        If `max_steps` did not suffice; the best triangulation since half-time is returned.
 
     Notes
     -----
     [PerssonStrang2004]_ and thesis section 5.5, corrected: lattice points equal to a fixed point
     are removed; fixed points are not projected; the projection divides by |grad d|**2; the
-    stopping test measures the step, deltat |F|; a last triangulation makes t belong to p.
+    stopping test measures the step, deltat |F|; a last triangulation makes t belong to p. Beyond
+    these: without interior nodes the boundary's moves are tested, and nodes that no triangle uses
+    are dropped at the end.
 
     Examples
     --------

@@ -172,8 +172,8 @@ def difference(region: Field, *holes: Field) -> Field:
     >>> difference(circle(), circle(radius=0.5))(np.array([[0.6, 0.0], [0.0, 0.0]]))
     array([-0.1,  0.5])
     """
-    parts = _parts("difference", (region, *holes)) if holes else _parts("difference", ())
-    return intersection(parts[0], *(complement(hole) for hole in parts[1:]))
+    first, *rest = _parts("difference", (region, *holes), least=2)
+    return intersection(first, *(complement(hole) for hole in rest))
 
 
 def complement(field: Field) -> Field:
@@ -289,9 +289,9 @@ def polygon_area(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> float:
     return sum(_signed_area(ring) for ring in _rings(vertices, holes))
 
 
-def _parts(name: str, fields: Sequence[Field]) -> list[Field]:
-    if not fields:
-        raise TypeError(f"{name} needs at least one more field; got none.")
+def _parts(name: str, fields: Sequence[Field], least: int = 1) -> list[Field]:
+    if len(fields) < least:
+        raise TypeError(f"{name} takes {least} or more fields; got {len(fields)}.")
     return [as_field(f"argument {number} of {name}", f) for number, f in enumerate(fields, 1)]
 
 

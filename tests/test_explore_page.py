@@ -1,7 +1,6 @@
 """The HTML of `explore` in a real browser, from file://, with every other host out of reach."""
 
 import json
-import os
 import re
 from contextlib import contextmanager
 
@@ -10,7 +9,6 @@ import matplotlib.pyplot as plt
 import pytest
 
 from distmesh_edu.interactive import STATIC_VARIABLE, explore
-from tests.browser import find_browser, open_browser
 
 mpl.use("agg")
 
@@ -60,17 +58,6 @@ def frames(page):
     stored = [start if one is None else f"data:image/webp;base64,{one}" for one in data["frames"]]
     values = [(size, step, scheme) for size in SIZES for step in STEPS for scheme in SCHEMES]
     return {each: stored[place] for each, place in zip(values, data["order"], strict=True)}
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if find_browser() is None:
-        missing = "no Chromium or Chrome was found"
-        if os.environ.get("CI"):
-            pytest.fail(missing)
-        pytest.skip(missing)
-    with open_browser() as opened:
-        yield opened
 
 
 @contextmanager

@@ -400,7 +400,9 @@ def test_the_newest_change_wins_and_stale_ones_are_not_drawn(kernel, pause, in_s
     time.sleep(0.5)
     now = state(kernel)
     fresh = now["drawn"][len(before["drawn"]) :]
-    # A busy kernel was once seen to end elsewhere; the picture must show what the slider says then.
+    # The picture shows what the slider says. A kernel that is flooded under load may let messages
+    # overtake each other (seen in a subshell: the slider itself then ends elsewhere); browsers do
+    # not flood it, they send the next change when the last one is done.
     assert fresh[-1] == now["index"]
     assert in_subshell or now["index"] == last
     assert len(fresh) <= 3 + 30 * pause / 0.2

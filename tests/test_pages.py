@@ -3,14 +3,12 @@
 Of an explorer the picture alone is compared: a slider that moves while the picture stays must fail.
 """
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from tests.browser import find_browser, open_browser
 from tools import book
 
 AXE = Path(__file__).parent / "vendor" / "axe.min.js"
@@ -36,17 +34,6 @@ STICKS_OUT = """e.getBoundingClientRect().right > innerWidth + 1 && !(function s
     return p && (getComputedStyle(p).overflowX != "visible" || scrolls(p.parentElement));
 })(e.parentElement.closest("article *"))"""
 EXPLORERS = [page for page in book.pages() if (book.ROOT / f"{page}.ipynb").exists()]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if find_browser() is None:
-        missing = "no Chromium or Chrome was found: `make browser` says how to get one"
-        if os.environ.get("CI"):
-            pytest.fail(missing)
-        pytest.skip(missing)
-    with open_browser() as opened:
-        yield opened
 
 
 @contextmanager
