@@ -4,19 +4,57 @@ from typing import TYPE_CHECKING
 
 from . import examples
 from ._types import Field
+from ._warnings import ConvergenceWarning, StabilityWarning
+from .boundaries import extrapolated, neumann, periodic
+from .convection import (
+    advect,
+    advect_semi_lagrangian,
+    convection_rate,
+    runge_kutta_step,
+    time_step_limit,
+    upwind,
+)
 from .distmesh import distmesh2d, distmesh2d_steps
+from .eno import eno2, eno3, weno5
+from .geometry import (
+    closest_point,
+    closest_points,
+    curvature,
+    curvature_at,
+    gradient,
+    gradient_at,
+    interface_area,
+    mean_curvature,
+    mean_curvature_at,
+    unit_normal,
+    unit_normal_at,
+    volume,
+)
 from .grid import Grid
 from .implicit_functions import (
+    blend,
+    box,
     circle,
     complement,
+    cylinder,
     difference,
+    ellipse,
+    half_plane,
     intersection,
     polygon,
     polygon_area,
     rectangle,
+    rotation,
+    scaling,
+    segment,
+    sphere,
+    torus,
+    translation,
     union,
 )
-from .mesh import ConvergenceWarning, Mesh
+from .mesh import Mesh
+from .normal_motion import crossing_times, godunov_norm, move_in_normal_direction
+from .reinitialization import redistance, reinitialize, smeared_sign, subcell_distance
 
 if TYPE_CHECKING:
     from .interactive import explore
@@ -46,19 +84,62 @@ __all__ = [
     "Field",
     "Grid",
     "Mesh",
+    "StabilityWarning",
+    "advect",
+    "advect_semi_lagrangian",
+    "blend",
+    "box",
     "circle",
+    "closest_point",
+    "closest_points",
     "complement",
+    "convection_rate",
+    "crossing_times",
+    "curvature",
+    "curvature_at",
+    "cylinder",
     "difference",
     "distmesh2d",
     "distmesh2d_steps",
+    "ellipse",
+    "eno2",
+    "eno3",
     "examples",
     "explore",
+    "extrapolated",
+    "godunov_norm",
+    "gradient",
+    "gradient_at",
+    "half_plane",
+    "interface_area",
     "intersection",
+    "mean_curvature",
+    "mean_curvature_at",
+    "move_in_normal_direction",
+    "neumann",
+    "periodic",
     "plot_field",
     "plot_mesh",
     "plot_quality",
     "polygon",
     "polygon_area",
     "rectangle",
+    "redistance",
+    "reinitialize",
+    "rotation",
+    "runge_kutta_step",
+    "scaling",
+    "segment",
+    "smeared_sign",
+    "sphere",
+    "subcell_distance",
+    "time_step_limit",
+    "torus",
+    "translation",
     "union",
+    "unit_normal",
+    "unit_normal_at",
+    "upwind",
+    "volume",
+    "weno5",
 ]

@@ -72,6 +72,89 @@ def as_points(name: str, value: ArrayLike, dim: int) -> Points:
     return points
 
 
+def as_values(name: str, value: ArrayLike, least: int = 2) -> Points:
+    """Return `value` as an array of values on a grid: 1 to 3 axes, `least` nodes along each."""
+    values = as_numbers(name, value)
+    if not 1 <= values.ndim <= 3:
+        raise ValueError(
+            f"{name} must be an array of values on a grid, with one, two or three axes; got the "
+            f"shape {values.shape}. Sample a field with field(grid.points)."
+        )
+    if min(values.shape) < least:
+        raise ValueError(
+            f"{name} must have {least} nodes at least along each axis, for so many meet in a "
+            f"difference; got the shape {values.shape}. Take a finer grid."
+        )
+    return values
+
+
+def as_spacing(dx: ArrayLike, dim: int) -> tuple[float, ...]:
+    """Return `dx` as one positive spacing for each axis."""
+    steps = as_numbers("dx", dx)
+    if steps.shape not in ((), (dim,)):
+        raise ValueError(
+            f"dx must be one number or one for each of the {dim} axes of phi; got the shape "
+            f"{steps.shape}."
+        )
+    steps = np.broadcast_to(steps, (dim,))
+    if not (steps > 0).all():
+        axis = int(np.argmin(steps > 0))
+        raise ValueError(f"dx must be positive; along axis {axis} it is {steps[axis]:g}.")
+    return tuple(float(step) for step in steps)
+
+
+def as_speed(speed: ArrayLike, shape: tuple[int, ...]) -> Points:
+    """Return a speed as an array, a number or of the given shape, or say what is wrong with it."""
+    values = as_numbers("speed", speed)
+    if values.shape not in ((), shape):
+        raise ValueError(f"speed must be a number or have phi's shape {shape}; got {values.shape}.")
+    return values
+
+
+def as_level_set(phi: Points) -> Points:
+    """Return phi, or say that it has no interface."""
+    if phi.min() >= 0 or phi.max() < 0:
+        raise ValueError(
+            "phi must have an interface: nodes where it is negative, and nodes where it is not; "
+            f"its values lie between {phi.min():g} and {phi.max():g}. Shift it by the level you "
+            "want, or make the box larger."
+        )
+    return phi
+
+
+def as_boundary(boundary: Any) -> Any:
+    """Return `boundary`, or say that it is no padding function."""
+    if not callable(boundary):
+        raise TypeError(
+            "boundary must be a padding function, extrapolated, neumann or periodic itself, or one "
+            f"with their signature; got {boundary!r}."
+        )
+    return boundary
+
+
+def as_time(time: ArrayLike) -> float:
+    """Return `time` as a number of zero or more."""
+    number = as_numbers("time", time)
+    if number.ndim or number < 0:
+        raise ValueError(
+            f"time must be one number, zero or more; got {time!r}. To go back in time, reverse the "
+            "velocity or the speed."
+        )
+    return float(number)
+
+
+def as_cfl(cfl: ArrayLike, differences: Any) -> float:
+    """Return `cfl` as a CFL number for which the steps of a scheme are stable."""
+    number, limit = as_positive("cfl", cfl), getattr(differences, "cfl", 1.0)
+    if number > limit:
+        name = getattr(differences, "__name__", "this scheme")
+        raise ValueError(
+            f"cfl must not be above {limit:g} with {name}; got {number:g}. In longer steps errors "
+            "grow without bound."
+        )
+    return number
+
+
 def as_bbox(bbox: ArrayLike, dim: int | None = None) -> Points:
     """Return `bbox` as an array of two rows, the lower corner and the upper one."""
     box = as_numbers("bbox", bbox)

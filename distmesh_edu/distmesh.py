@@ -15,7 +15,8 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from ._types import ArrayLike, Field, FloatArray, IntArray
 from ._validation import Region, as_count, as_generator, as_positive, as_region
-from .mesh import HISTORY, ConvergenceWarning, Mesh, radius_ratio, unique_edges
+from ._warnings import ConvergenceWarning
+from .mesh import HISTORY, Mesh, radius_ratio, unique_edges
 
 # The functions of the single steps are for reading, and for whoever builds on them.
 __all__ = ["distmesh2d", "distmesh2d_steps"]

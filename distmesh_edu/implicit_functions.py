@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
-from ._types import ArrayLike, Field, FloatArray, IntArray
+from ._polygon import Sides, check_nesting, oriented, signed_area
+from ._types import ArrayLike, Field, FloatArray
 from ._validation import as_bbox, as_field, as_numbers, as_points, as_positive
 
-_CANDIDATES = 500_000  # pairs of points and pieces compared at once, to bound the memory
-_SPREAD = 64.0  # how much longer the longest side in a tree may be than the shortest
-_BLOCK = 16_384  # points of a polygon's distance worked on at once: their arrays stay in the cache
+_ELLIPSE_STEPS = 100  # five or ten are enough but for points that touch the axes or the rim
 
 
 def circle(center: ArrayLike = (0.0, 0.0), radius: float = 1.0) -> Field:
@@ -51,8 +49,38 @@ def circle(center: ArrayLike = (0.0, 0.0), radius: float = 1.0) -> Field:
     return distance
 
 
+def sphere(center: ArrayLike = (0.0, 0.0, 0.0), radius: float = 1.0) -> Field:
+    """Return the signed distance |x - center| - radius to a sphere.
+
+    Parameters
+    ----------
+    center : array_like of shape (dim,), length
+        Its center. The dimension is that of the center: on a line the sphere is two points, in
+        the plane a circle.
+    radius : float, length
+        Its radius.
+
+    Returns
+    -------
+    Field
+        Exact everywhere; it has no gradient at the center.
+
+    Raises
+    ------
+    ValueError
+        If `radius` is not positive or `center` is not one point.
+
+    Examples
+    --------
+    >>> sphere()(np.array([[0.0, 0.0, 0.0], [2.0, 3.0, 6.0]]))
+    array([-1.,  6.])
+    """
+    middle, r = _vector("center", center), as_positive("radius", radius)
+    return lambda p: np.asarray(np.linalg.norm(p - middle, axis=-1) - r)
+
+
 def rectangle(bbox: ArrayLike) -> Field:
-    """Return the signed distance to an axis-parallel rectangle.
+    """Return the signed distance to an axis-parallel rectangle: a `box` of the plane.
 
     Parameters
     ----------
@@ -69,25 +97,329 @@ def rectangle(bbox: ArrayLike) -> Field:
     ValueError
         If the lower corner is not below and left of the upper one.
 
-    Notes
-    -----
-    With q = |x - center| - half widths, the distance is |max(q, 0)| + min(max(q_x, q_y), 0):
-    the first term acts outside, the second inside.
-
     Examples
     --------
     >>> rectangle(((-1, -1), (1, 1)))(np.array([[0.0, 0.0], [4.0, 5.0]]))
     array([-1.,  5.])
     """
-    lower, upper = as_bbox(bbox, dim=2)
+    return box(as_bbox(bbox, dim=2))
+
+
+def box(bbox: ArrayLike) -> Field:
+    """Return the signed distance to an axis-parallel box, in any dimension.
+
+    Parameters
+    ----------
+    bbox : array_like of shape (2, dim), length
+        The lower corner and the upper one. On a line, a box is an interval: ((a,), (b,)).
+
+    Returns
+    -------
+    Field
+        Exact everywhere, beyond edges and corners too, where the largest of |x| - a, |y| - b and
+        |z| - c is too small.
+
+    Raises
+    ------
+    ValueError
+        If the lower corner is not below the upper one along each axis.
+
+    Notes
+    -----
+    With q = |x - center| - half widths, the distance is |max(q, 0)| + min(max(q_x, q_y, q_z), 0):
+    the first term acts outside, the second inside.
+
+    Examples
+    --------
+    >>> box(((-1, -1, -1), (1, 1, 1)))(np.array([[0.0, 0.0, 0.0], [2.0, 3.0, 3.0]]))
+    array([-1.,  3.])
+    """
+    lower, upper = as_bbox(bbox)
     center, half = (lower + upper) / 2, (upper - lower) / 2
+    return lambda p: _beyond(np.abs(p - center) - half)
+
+
+def half_plane(normal: ArrayLike, point: ArrayLike | None = None) -> Field:
+    """Return the signed distance (x - point) . normal / |normal| to a straight boundary.
+
+    Parameters
+    ----------
+    normal : array_like of shape (dim,), dimensionless
+        Points out of the region; its length does not matter. In the plane the region is a half
+        plane, in space a half space, on a line a ray.
+    point : array_like of shape (dim,), length, optional
+        A point of the boundary; the origin where none is given.
+
+    Returns
+    -------
+    Field
+        Exact everywhere.
+
+    Raises
+    ------
+    ValueError
+        If `normal` is zero, or `point` has another dimension.
+
+    Examples
+    --------
+    >>> half_plane((0, 2), point=(0, 1))(np.array([[5.0, 0.0], [5.0, 4.0]]))
+    array([-1.,  3.])
+    """
+    n = _direction("normal", normal)
+    origin = np.zeros(len(n)) if point is None else _vector("point", point, dim=len(n))
+    return lambda p: np.asarray((p - origin) @ n)
+
+
+def ellipse(center: ArrayLike = (0.0, 0.0), half_axes: ArrayLike = (2.0, 1.0)) -> Field:
+    """Return the signed distance to the ellipse (x/a)**2 + (y/b)**2 = 1.
+
+    Parameters
+    ----------
+    center : array_like of shape (2,), length
+        Its center.
+    half_axes : array_like of shape (2,), length
+        The half axes along x and y. Turn it with `rotation`.
+
+    Returns
+    -------
+    Field
+        Exact everywhere, up to rounding of the larger half axis. It has no gradient on the part
+        of the longer axis between the centers of curvature of its two ends.
+
+    Raises
+    ------
+    ValueError
+        If a half axis is not positive or `center` is not one point.
+
+    Notes
+    -----
+    There is no formula for the distance. The point c of the ellipse closest to p, with p in the
+    first quadrant and a >= b, has p - c parallel to the normal there: c_x = a**2 p_x / (s + a**2
+    - b**2) and c_y = b**2 p_y / s with one unknown, s > 0. That c lies on the ellipse,
+    (c_x / a)**2 + (c_y / b)**2 = Q(s) = 1, is solved for s by Newton's method on
+    1 / sqrt(Q) = 1, which is nearly linear, and concave, so that from a start with Q >= 1 no
+    step goes too far.
+
+    Examples
+    --------
+    >>> ellipse()(np.array([[0.0, 0.0], [3.0, 0.0], [0.0, -4.0]]))
+    array([-1.,  1.,  3.])
+    """
+    middle, axes = _vector("center", center, dim=2), _vector("half_axes", half_axes, dim=2)
+    if not (axes > 0).all():
+        raise ValueError(f"half_axes must be positive; got {axes.tolist()}.")
+    order = np.argsort(-axes, kind="stable")
+    a, b = axes[order]
 
     def distance(p: FloatArray) -> FloatArray:
-        q = np.abs(p - center) - half
-        outside = np.linalg.norm(np.maximum(q, 0), axis=-1)
-        return np.asarray(outside + np.minimum(q.max(axis=-1), 0))
+        q = np.abs(p - middle)[..., order]
+        offset = q - _closest_on_ellipse(q, a, b)
+        outside = (q[..., 0] / a) ** 2 + (q[..., 1] / b) ** 2 - 1
+        return np.asarray(np.copysign(np.hypot(offset[..., 0], offset[..., 1]), outside))
 
     return distance
+
+
+def cylinder(
+    center: ArrayLike = (0.0, 0.0, 0.0),
+    radius: float = 1.0,
+    height: float = 2.0,
+    axis: ArrayLike = (0.0, 0.0, 1.0),
+) -> Field:
+    """Return the signed distance to a cylinder with its two lids.
+
+    Parameters
+    ----------
+    center : array_like of shape (3,), length
+        The middle of its axis.
+    radius, height : float, length
+        Its radius, and the distance between the lids.
+    axis : array_like of shape (3,), dimensionless
+        The direction of its axis.
+
+    Returns
+    -------
+    Field
+        Exact everywhere, beyond the rims too. It has no gradient where two parts of the surface
+        are equally near.
+
+    Raises
+    ------
+    ValueError
+        If a size is not positive, `axis` is zero, or a vector does not have three components.
+
+    Notes
+    -----
+    A `rectangle` in the half plane of radius and height.
+
+    Examples
+    --------
+    >>> cylinder()(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 3.0], [4.0, 0.0, 5.0]]))
+    array([-1.,  2.,  5.])
+    """
+    frame = _about_axis(center, axis)
+    half = np.array([as_positive("radius", radius), as_positive("height", height) / 2])
+    return lambda p: _beyond(np.abs(frame(p)) - half)
+
+
+def torus(
+    center: ArrayLike = (0.0, 0.0, 0.0),
+    major_radius: float = 1.0,
+    minor_radius: float = 0.25,
+    axis: ArrayLike = (0.0, 0.0, 1.0),
+) -> Field:
+    """Return the signed distance to a torus, a tube around a circle.
+
+    Parameters
+    ----------
+    center : array_like of shape (3,), length
+        Its center.
+    major_radius : float, length
+        The radius of the circle in the middle of the tube.
+    minor_radius : float, length
+        The radius of the tube, smaller than the other one.
+    axis : array_like of shape (3,), dimensionless
+        The direction about which it is round.
+
+    Returns
+    -------
+    Field
+        Exact everywhere. It has no gradient on the circle and on the axis.
+
+    Raises
+    ------
+    ValueError
+        If a radius is not positive, the minor one is not the smaller, `axis` is zero, or a
+        vector does not have three components.
+
+    Examples
+    --------
+    >>> torus()(np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 2.0]]))
+    array([-0.25,  0.75,  1.75])
+    """
+    frame = _about_axis(center, axis)
+    major, minor = (
+        as_positive("major_radius", major_radius),
+        as_positive("minor_radius", minor_radius),
+    )
+    if minor >= major:
+        raise ValueError(
+            f"minor_radius must be less than major_radius, or the tube runs into itself; got "
+            f"{minor:g} and {major:g}."
+        )
+    return lambda p: np.asarray(np.linalg.norm(frame(p) - (major, 0.0), axis=-1) - minor)
+
+
+def segment(a: ArrayLike, b: ArrayLike, radius: float = 0.0) -> Field:
+    """Return the distance to the straight piece from a to b, less a radius.
+
+    Parameters
+    ----------
+    a, b : array_like of shape (dim,), length
+        Its ends. Where they are equal, the region is a ball.
+    radius : float, length
+        The region holds the points within this distance of the piece: in the plane a stadium, in
+        space a capsule. With 0, nothing is inside, and the field is the unsigned distance.
+
+    Returns
+    -------
+    Field
+        Exact everywhere in the plane and in space; it has no gradient on the piece itself. On a
+        line it is exact outside only: take a `box` there.
+
+    Raises
+    ------
+    ValueError
+        If `radius` is negative, or `a` and `b` do not have the same dimension.
+
+    Examples
+    --------
+    >>> segment((0, 0), (2, 0), radius=0.5)(np.array([[1.0, 0.0], [1.0, 3.0], [5.0, 4.0]]))
+    array([-0.5,  2.5,  4.5])
+    """
+    start = _vector("a", a)
+    along = _vector("b", b, dim=len(start)) - start
+    r = as_numbers("radius", radius)
+    if r.ndim or r < 0:
+        raise ValueError(f"radius must be one number, 0 or positive; got {radius!r}.")
+    square = float(along @ along)
+
+    def distance(p: FloatArray) -> FloatArray:
+        offset = p - start
+        t = np.clip(offset @ along / square, 0, 1) if square else np.zeros(offset.shape[:-1])
+        return np.asarray(np.linalg.norm(offset - t[..., None] * along, axis=-1) - r)
+
+    return distance
+
+
+def polygon(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> Field:
+    """Return the signed distance to a polygon, which may have holes.
+
+    Parameters
+    ----------
+    vertices : array_like of shape (n, 2), length
+        The corners in order, either way round. A last corner equal to the first is dropped.
+    holes : sequence of array_like of shape (m, 2), length
+        The corners of each hole.
+
+    Returns
+    -------
+    Field
+        Exact everywhere. Memory grows with the number of points, not with points times corners.
+
+    Raises
+    ------
+    ValueError
+        If a ring has fewer than three corners, a corner twice in a row, or a NaN; if rings cross
+        or (up to rounding) touch themselves or one another; or if a hole lies outside, or in
+        another hole.
+
+    Notes
+    -----
+    The distance is the least over all sides, found with a k-d tree. The sign at a point whose
+    closest point lies within a side is that of the side's normal; where it is a corner, that of
+    the sum of the two unit normals there [BaerentzenAanaes2005]_, which holds at corners however
+    sharp.
+
+    Examples
+    --------
+    >>> square = polygon([(0, 0), (4, 0), (4, 4), (0, 4)], holes=[[(1, 1), (2, 1), (2, 2)]])
+    >>> square(np.array([[3.0, 3.0], [7.0, 8.0], [1.75, 1.25]]))
+    array([-1.  ,  5.  ,  0.25])
+    """
+    rings = _rings(vertices, holes)
+    sides = Sides(rings)
+    sides.check_crossing()
+    check_nesting(rings)
+    return sides.distance
+
+
+def polygon_area(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> float:
+    """Return the area of a polygon less that of its holes, by the shoelace formula.
+
+    Parameters
+    ----------
+    vertices : array_like of shape (n, 2), length
+        The corners in order, either way round.
+    holes : sequence of array_like of shape (m, 2), length
+        The corners of each hole.
+
+    Returns
+    -------
+    float
+        The area, length squared.
+
+    Raises
+    ------
+    ValueError
+        If a ring has fewer than three corners, a corner twice in a row, or a NaN.
+
+    Examples
+    --------
+    >>> polygon_area([(0, 0), (4, 0), (4, 4), (0, 4)], holes=[[(1, 1), (2, 1), (2, 2)]])
+    15.5
+    """
+    return sum(signed_area(ring) for ring in _rings(vertices, holes))
 
 
 def union(*fields: Field) -> Field:
@@ -203,90 +535,179 @@ def complement(field: Field) -> Field:
     return lambda p: -part(p)
 
 
-def polygon(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> Field:
-    """Return the signed distance to a polygon, which may have holes.
+def blend(a: Field, b: Field, width: float, operation: Callable[..., Field] | None = None) -> Field:
+    """Return min(a, b) with its edge rounded off, or another operation smoothed so.
 
     Parameters
     ----------
-    vertices : array_like of shape (n, 2), length
-        The corners in order, either way round. A last corner equal to the first is dropped.
-    holes : sequence of array_like of shape (m, 2), length
-        The corners of each hole.
+    a, b : Field
+        Signed distances, or other functions that are negative inside.
+    width : float, length
+        Where a and b differ by this much or more, nothing is changed.
+    operation : function, optional
+        `union`, `intersection` or `difference`; the union where none is given.
 
     Returns
     -------
     Field
-        Exact everywhere. Memory grows with the number of points, not with points times corners.
+        As smooth as a and b where these differ by less than `width`; once differentiable where
+        they differ by just as much. It is the value of the sharp operation less
+        at most width / 4 for the union, and plus at most as much for the others: fillets are
+        added to a union, and edges taken off an intersection or a difference. Where neither a
+        nor b rises more steeply than a distance, |grad| <= 1, nor does the blend, and so its
+        size is at most the distance to its own boundary.
 
     Raises
     ------
-    ValueError
-        If a ring has fewer than three corners, a corner twice in a row, or a NaN; if rings cross
-        or (up to rounding) touch themselves or one another; or if a hole lies outside, or in
-        another hole.
+    TypeError, ValueError
+        If a field cannot be called, `width` is not positive, or `operation` is none of the three.
 
     Notes
     -----
-    The distance is the least over all sides, found with a k-d tree. The sign at a point whose
-    closest point lies within a side is that of the side's normal; where it is a corner, that of
-    the sum of the two unit normals there [BaerentzenAanaes2005]_, which holds at corners however
-    sharp.
+    min(a, b) - width h**2 / 4 with h = max(1 - |a - b| / width, 0). Its gradient is a weighted
+    mean of those of a and b, with the weights 1 - h/2 (of the lesser) and h/2.
 
     Examples
     --------
-    >>> square = polygon([(0, 0), (4, 0), (4, 4), (0, 4)], holes=[[(1, 1), (2, 1), (2, 2)]])
-    >>> square(np.array([[3.0, 3.0], [7.0, 8.0], [1.75, 1.25]]))
-    array([-1.  ,  5.  ,  0.25])
+    >>> fd = blend(circle((-1, 0)), circle((1, 0)), width=0.4)
+    >>> fd(np.array([[0.0, 0.0], [3.0, 0.0]]))
+    array([-0.1,  1. ])
     """
-    rings = _rings(vertices, holes)
-    sides = _Sides(rings)
-    crossing = sides.first_crossing()
-    if crossing is not None:
+    first, second = _parts("blend", (a, b))
+    w = as_positive("width", width)
+
+    def smooth_union(one: Field, other: Field) -> Field:
+        def least(p: FloatArray) -> FloatArray:
+            u, v = one(p), other(p)
+            h = np.maximum(1 - np.abs(u - v) / w, 0)
+            return np.asarray(np.minimum(u, v) - w / 4 * h**2)
+
+        return least
+
+    if operation in (None, union):
+        return smooth_union(first, second)
+    if operation not in (intersection, difference):
         raise ValueError(
-            "vertices: the polygon crosses or touches itself: the sides that start at "
-            f"{crossing[0].tolist()} and {crossing[1].tolist()} meet. Separate them, or give "
-            "the parts as polygons of their own and take their union."
+            f"operation must be union, intersection or difference; got {operation!r}. Pass the "
+            "function itself."
         )
-    _check_nesting(rings)
-
-    def distance(p: FloatArray) -> FloatArray:
-        points = np.asarray(p, dtype=np.float64)
-        if points.shape[-1:] != (2,):
-            raise ValueError(f"p must have the shape (..., 2); got {points.shape}.")
-        rows = points.reshape(-1, 2)
-        blocks = np.array_split(rows, len(rows) // _BLOCK + 1)
-        values = np.concatenate([sides.signed_distance(block) for block in blocks])
-        return np.asarray(values.reshape(points.shape[:-1]))
-
-    return distance
+    # Whatever lies in both lies outside neither: max(a, b) = -min(-a, -b).
+    outside = second if operation is difference else complement(second)
+    return complement(smooth_union(complement(first), outside))
 
 
-def polygon_area(vertices: ArrayLike, holes: Sequence[ArrayLike] = ()) -> float:
-    """Return the area of a polygon less that of its holes, by the shoelace formula.
+def rotation(
+    field: Field, angle: float, center: ArrayLike | None = None, axis: ArrayLike | None = None
+) -> Field:
+    """Return a field turned by an angle: d(R^-1 (x - center) + center).
 
     Parameters
     ----------
-    vertices : array_like of shape (n, 2), length
-        The corners in order, either way round.
-    holes : sequence of array_like of shape (m, 2), length
-        The corners of each hole.
+    field : Field
+        What to turn, in the plane or in space.
+    angle : float, radians
+        Anticlockwise in the plane; in space as seen with `axis` pointing at you.
+    center : array_like of shape (2,) or (3,), length, optional
+        What stays where it is; the origin where none is given.
+    axis : array_like of shape (3,), dimensionless, optional
+        In space, the direction to turn about; the z-axis where none is given.
 
     Returns
     -------
-    float
-        The area, length squared.
+    Field
+        As exact as `field`.
 
     Raises
     ------
-    ValueError
-        If a ring has fewer than three corners, a corner twice in a row, or a NaN.
+    TypeError, ValueError
+        If `field` cannot be called, `angle` is not a number, or `axis` is zero. When it is
+        evaluated: if the points lie on a line, or in the plane although there is an `axis`.
 
     Examples
     --------
-    >>> polygon_area([(0, 0), (4, 0), (4, 4), (0, 4)], holes=[[(1, 1), (2, 1), (2, 2)]])
-    15.5
+    >>> tall = rotation(rectangle(((-2, -1), (2, 1))), np.pi / 2)
+    >>> tall(np.array([[0.0, 3.0], [3.0, 0.0]]))
+    array([1., 2.])
     """
-    return sum(_signed_area(ring) for ring in _rings(vertices, holes))
+    part, turn = as_field("field", field), _number("angle", angle)
+    about = _direction("axis", (0.0, 0.0, 1.0) if axis is None else axis, dim=3)
+    fixed = 0.0 if center is None else _vector("center", center)
+    matrix = Rotation.from_rotvec(turn * about).as_matrix()
+
+    def turned(p: FloatArray) -> FloatArray:
+        dim = p.shape[-1]
+        if dim not in (2, 3) or (dim == 2 and axis is not None):
+            raise ValueError(
+                f"rotation with axis={axis!r} got points of shape {p.shape}. It turns points "
+                "(..., 3) about an axis, and points (..., 2) without one."
+            )
+        # The plane is z = 0: what the matrix does to x and y stands in its first two rows. Times
+        # a row from the left, it turns back.
+        return np.asarray(part((p - fixed) @ matrix[:dim, :dim] + fixed))
+
+    return turned
+
+
+def translation(field: Field, shift: ArrayLike) -> Field:
+    """Return a field that is moved: d(x - shift).
+
+    Parameters
+    ----------
+    field : Field
+        What to move.
+    shift : array_like of shape (dim,), length
+        How far.
+
+    Returns
+    -------
+    Field
+        As exact as `field`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `field` cannot be called, or `shift` is not one vector.
+
+    Examples
+    --------
+    >>> translation(circle(), (3, 0))(np.array([[3.0, 0.0], [0.0, 0.0]]))
+    array([-1.,  2.])
+    """
+    part, way = as_field("field", field), _vector("shift", shift)
+    return lambda p: np.asarray(part(p - way))
+
+
+def scaling(field: Field, factor: float, center: ArrayLike | None = None) -> Field:
+    """Return a field enlarged: factor * d((x - center) / factor + center).
+
+    Parameters
+    ----------
+    field : Field
+        What to enlarge.
+    factor : float, dimensionless
+        By how much; below 1, it shrinks.
+    center : array_like of shape (dim,), length, optional
+        What stays where it is; the origin where none is given.
+
+    Returns
+    -------
+    Field
+        As exact as `field`: distances grow as the lengths do. (Enlarged along one axis alone, a
+        distance would be none any more.)
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `field` cannot be called, or `factor` is not one positive number.
+
+    Examples
+    --------
+    >>> scaling(circle(), 2)(np.array([[0.0, 0.0], [5.0, 0.0]]))
+    array([-2.,  3.])
+    """
+    part, times = as_field("field", field), as_positive("factor", factor)
+    fixed = 0.0 if center is None else _vector("center", center)
+    return lambda p: np.asarray(times * part((p - fixed) / times + fixed))
 
 
 def _parts(name: str, fields: Sequence[Field], least: int = 1) -> list[Field]:
@@ -295,168 +716,74 @@ def _parts(name: str, fields: Sequence[Field], least: int = 1) -> list[Field]:
     return [as_field(f"argument {number} of {name}", f) for number, f in enumerate(fields, 1)]
 
 
-def _signed_area(ring: FloatArray) -> float:
-    x, y = (ring - ring[0]).T  # about a corner: far from the origin the products would cancel
-    return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
-
-
 def _rings(vertices: ArrayLike, holes: Sequence[ArrayLike]) -> list[FloatArray]:
     """Return the rings with the region on their left: outer one anticlockwise, holes clockwise."""
     if len(holes) and np.ndim(holes[0]) == 1:
         raise ValueError("holes must be a list of rings; got one ring. Write holes=[ring].")
-    rings = []
-    named = [("vertices", vertices), *((f"holes[{k}]", hole) for k, hole in enumerate(holes))]
-    for name, corners in named:
-        ring = as_points(name, corners, dim=2)
-        if len(ring) > 1 and _same(ring[0], ring[-1], ring):
-            ring = ring[:-1]
-        if len(ring) < 3:
-            raise ValueError(f"{name} must have three corners at least; got {len(ring)}.")
-        twice = _same(ring, np.roll(ring, -1, axis=0), ring)
-        if twice.any():
-            raise ValueError(
-                f"{name} has the corner {ring[int(np.argmax(twice))].tolist()} twice in a row. "
-                "Remove one."
-            )
-        region_on_left = (_signed_area(ring) > 0) == (name == "vertices")
-        rings.append(ring if region_on_left else ring[::-1])
-    return rings
+    named = {"vertices": vertices, **{f"holes[{k}]": hole for k, hole in enumerate(holes)}}
+    return [oriented(name, as_points(name, ring, dim=2)) for name, ring in named.items()]
 
 
-def _same(a: FloatArray, b: FloatArray, ring: FloatArray) -> NDArray[np.bool_]:
-    """Say which points are equal up to rounding: a ring closed by a cosine of 2 pi is closed."""
-    rounding = 1e-12 * np.ptp(ring, axis=0).max() + 4 * np.spacing(np.abs(ring).max())
-    return np.asarray(np.linalg.norm(a - b, axis=-1) <= rounding)
+def _number(name: str, value: ArrayLike) -> float:
+    number = as_numbers(name, value)
+    if number.ndim:
+        raise ValueError(f"{name} must be one number; got the shape {number.shape}.")
+    return float(number)
 
 
-def _check_nesting(rings: Sequence[FloatArray]) -> None:
-    """Refuse a hole outside, or in another hole; no rings cross, so that one corner tells."""
-    outer, *holes = rings
-    regions = [_Sides([outer])] + [_Sides([hole[::-1]]) for hole in holes]
-    for k, hole in enumerate(holes):
-        inside = [region.signed_distance(hole[:1])[0] < 0 for region in regions]
-        if not inside[0]:
-            raise ValueError(
-                f"holes[{k}] must lie inside the polygon; its corner {hole[0].tolist()} does "
-                "not. Check the order of the arguments."
-            )
-        others = [m for m in range(len(holes)) if m != k and inside[m + 1]]
-        if others:
-            raise ValueError(
-                f"holes[{k}] lies inside holes[{others[0]}]. Remove it, or, if it is an island "
-                "in the hole, take the union with a polygon of its own."
-            )
+def _vector(name: str, value: ArrayLike, dim: int | None = None) -> FloatArray:
+    vector = as_numbers(name, value)
+    if vector.ndim != 1 or not vector.size or dim not in (None, len(vector)):
+        wanted = f"{dim}" if dim else "one for each axis"
+        raise ValueError(f"{name} must be one vector, of length {wanted}; got {value!r}.")
+    return vector
 
 
-class _Sides:
-    """The sides of some closed rings, in a k-d tree that finds the one closest to a point."""
-
-    def __init__(self, rings: Sequence[FloatArray]) -> None:
-        self.start = np.concatenate(rings)
-        self.end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
-        self.vector = self.end - self.start
-        self.length = np.hypot(*self.vector.T)
-        outward = self.vector[:, ::-1] * (1, -1) / self.length[:, None]
-        before = np.concatenate([np.roll(r, 1) for r in _numbers_per_ring(rings)])
-        after = np.concatenate([np.roll(r, -1) for r in _numbers_per_ring(rings)])
-        # The normal that decides the sign where a side starts, within it, and where it ends.
-        self.normals = np.stack([outward + outward[before], outward, outward + outward[after]])
-        self.after: IntArray = after
-
-        level = np.floor(np.log(self.length.max() / self.length) / np.log(_SPREAD))
-        self.trees = [self._tree(np.flatnonzero(level == one)) for one in np.unique(level)]
-
-    def _tree(self, sides: IntArray) -> tuple[cKDTree, IntArray, float]:
-        """Cut sides into pieces; return a tree of their middles, their sides, half the longest.
-
-        Middles bound the distance to the pieces well only if these are short and of like length.
-        """
-        length = self.length[sides]
-        pieces = np.ceil(length / (2 * length.mean())).astype(np.int64)
-        owner = np.repeat(sides, pieces)
-        number = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-        fraction = (number + 0.5) / np.repeat(pieces, pieces)
-        tree = cKDTree(self.start[owner] + fraction[:, None] * self.vector[owner])
-        return tree, owner, float((length / pieces).max()) / 2
-
-    def signed_distance(self, p: FloatArray) -> FloatArray:
-        """Return the signed distance at points of shape (n, 2)."""
-        side = self.closest(p)
-        t, offset = self.offset(p, side)
-        place = (t > 0).astype(np.int64) + (t >= 1)
-        distance = np.hypot(offset[:, 0], offset[:, 1])
-        along_normal = (offset * self.normals[place, side]).sum(axis=1)
-        return np.asarray(np.copysign(distance, along_normal))
-
-    def closest(self, p: FloatArray) -> IntArray:
-        """Return the number of the side closest to each point."""
-        side = np.zeros(len(p), dtype=np.int64)
-        least = np.full(len(p), np.inf)
-        for tree, owner, half_piece in self.trees:
-            unsure, k = np.arange(len(p)), 8
-            while unsure.size:
-                k = min(k, tree.n)
-                missed = []
-                for which in np.array_split(unsure, unsure.size * k // _CANDIDATES + 1):
-                    found = tree.query(p[which], k=k)
-                    reach, piece = (one.reshape(-1, k) for one in found)  # k = 1 gives a row
-                    self._improve(p, which, owner[piece], side, least)
-                    # No piece beyond the k-th is closer than its middle, as far at least, allows.
-                    missed.append(least[which] > reach[:, -1] - half_piece)
-                unsure = unsure[np.concatenate(missed) & (k < tree.n)]
-                k *= 2
-        return side
-
-    def _improve(
-        self, p: FloatArray, which: IntArray, sides: IntArray, side: IntArray, least: FloatArray
-    ) -> None:
-        """Where one of some sides is closer to a point than the closest so far, write it down."""
-        _, offset = self.offset(p[which, None], sides)
-        distance = np.hypot(offset[..., 0], offset[..., 1])
-        best = distance.argmin(axis=1)[:, None]
-        distance = np.take_along_axis(distance, best, axis=1)[:, 0]
-        closer = distance < least[which]
-        least[which[closer]] = distance[closer]
-        side[which[closer]] = np.take_along_axis(sides, best, axis=1)[closer, 0]
-
-    def offset(self, p: FloatArray, side: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return where on a side (0 start, 1 end) its point closest to p is, and the way to p."""
-        along, vector = p - self.start[side], self.vector[side]
-        t = np.clip((along * vector).sum(axis=-1) / self.length[side] ** 2, 0, 1)
-        return t, along - t[..., None] * vector
-
-    def first_crossing(self) -> tuple[FloatArray, FloatArray] | None:
-        """Return the starts of two sides that meet elsewhere than at a common corner, or None."""
-        x = np.sort(np.stack((self.start[:, 0], self.end[:, 0])), axis=0)
-        order = np.argsort(x[0])
-        ahead = np.searchsorted(x[0][order], x[1][order], side="right")
-        for k, i in enumerate(order):
-            j = order[k + 1 : ahead[k]]  # the sides that begin, from left to right, before i ends
-            neighbour = (self.after[j] == i) | (self.after[i] == j)
-            meets = np.where(neighbour, self._folds_back(i, j), self._meets(i, j))
-            if meets.any():
-                return self.start[i], self.start[j[int(np.argmax(meets))]]
-        return None
-
-    def _meets(self, i: int, j: IntArray) -> NDArray[np.bool_]:
-        """Say which sides j have a point in common with side i."""
-        a, b, c, d = self.start[i], self.end[i], self.start[j], self.end[j]
-        apart = (np.maximum(a, b) < np.minimum(c, d)) | (np.maximum(c, d) < np.minimum(a, b))
-        split_by_i = _side(b - a, c - a) * _side(b - a, d - a) <= 0
-        split_by_j = _side(d - c, a - c) * _side(d - c, b - c) <= 0
-        return np.asarray(~apart.any(axis=1) & split_by_i & split_by_j)
-
-    def _folds_back(self, i: int, j: IntArray) -> NDArray[np.bool_]:
-        """Say which sides j, neighbours of i, run back along it."""
-        u, v = self.vector[i], self.vector[j]
-        return np.asarray((_side(u, v) == 0) & ((u * v).sum(axis=-1) < 0))
+def _direction(name: str, value: ArrayLike, dim: int | None = None) -> FloatArray:
+    vector = _vector(name, value, dim)
+    length = np.linalg.norm(vector)
+    if length == 0:
+        raise ValueError(f"{name} must not be zero: it gives a direction; got {value!r}.")
+    return np.asarray(vector / length)
 
 
-def _numbers_per_ring(rings: Sequence[FloatArray]) -> list[IntArray]:
-    sizes = [len(ring) for ring in rings]
-    return np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
+def _beyond(q: FloatArray) -> FloatArray:
+    """Return the distance from a box, given by how far beyond each pair of sides a point is."""
+    outside = np.linalg.norm(np.maximum(q, 0), axis=-1)
+    return np.asarray(outside + np.minimum(q.max(axis=-1), 0))
 
 
-def _side(u: FloatArray, v: FloatArray) -> FloatArray:
-    """Return 1 where v points to the left of u, -1 where to the right, 0 along it."""
-    return np.asarray(np.sign(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]))
+def _about_axis(center: ArrayLike, axis: ArrayLike) -> Callable[[FloatArray], FloatArray]:
+    """Return the map from points of space to (distance from the axis, height along it)."""
+    middle, up = _vector("center", center, dim=3), _direction("axis", axis, dim=3)
+
+    def frame(p: FloatArray) -> FloatArray:
+        offset = p - middle
+        height = offset @ up
+        across = np.linalg.norm(offset - height[..., None] * up, axis=-1)
+        return np.stack((across, height), axis=-1)
+
+    return frame
+
+
+def _closest_on_ellipse(p: FloatArray, a: float, b: float) -> FloatArray:
+    """Return the points of an ellipse closest to points of the first quadrant; a >= b."""
+    x, y = a * p[..., 0], b * p[..., 1]
+    focal = (a - b) * (a + b)
+    # One of the two terms of Q alone is 1 here, so that Q >= 1, but on the longer axis.
+    floor = 1e-30 * b**2  # below it, y is as good as 0
+    s = np.maximum(np.maximum(y, x - focal), floor)
+    between = s == floor
+    for _ in range(_ELLIPSE_STEPS):
+        u, v = x / (s + focal), y / s
+        Q = u**2 + v**2
+        # The Newton step of 1 / sqrt(Q) = 1, with Q' = -2 (u**2 / (s + focal) + v**2 / s).
+        slope = u**2 / (s + focal) + v**2 / s
+        step = np.where(Q > 1, Q * (np.sqrt(Q) - 1) / np.where(Q > 1, slope, 1), 0)
+        s = s + step
+        if (step <= 4 * np.finfo(float).eps * s).all():
+            break
+    # Between the centers of curvature, y = 0 has two closest points: take the upper one.
+    v = np.where(between, np.sqrt(np.maximum(1 - u**2, 0)), v)
+    length = np.hypot(u, v)
+    return np.stack((a * u / length, b * v / length), axis=-1)

@@ -23,10 +23,6 @@ HISTORY = np.dtype(
 )
 
 
-class ConvergenceWarning(UserWarning):
-    """The generator stopped at its cap of steps; its best mesh so far is still returned."""
-
-
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """A triangulation: points p, triangles t, and how they came about.

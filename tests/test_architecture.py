@@ -23,6 +23,7 @@ MAY_IMPORT = {
     "boundaries": set(),
     "implicit_functions": set(),
     "grid": set(),
+    "geometry": {"grid"},
     "mesh": set(),
     "convection": {"boundaries"},
     "eno": {"boundaries"},

@@ -1,11 +1,13 @@
-"""Lake Superior: the packaged data, its map, and a mesh of it."""
+"""Lake Superior: the packaged data, its map, and a mesh of it. Roses, stars and a slotted disc."""
 
 import warnings
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import distmesh_edu as de
+from distmesh_edu import examples, geometry
 
 PUBLISHED_AREA = 82_100  # square kilometres
 
@@ -74,3 +76,153 @@ def test_the_lake_fine_at_the_shore_is_good_once_its_worst_triangle_is():
     at_shore = np.isin(mesh.edges, mesh.boundary_facets).all(axis=1)
     assert np.median(mesh.edge_lengths[at_shore]) == pytest.approx(6.6, abs=0.6)
     assert mesh.edge_lengths.max() > 20
+
+
+# ---- shapes of the book ----
+
+
+@pytest.mark.parametrize("petals", [3, 4, 9])
+def test_a_rose_is_negative_in_its_leaves(petals):
+    field = examples.rose(petals, radius=2)
+    middles = np.pi / (2 * petals) + 2 * np.pi * np.arange(petals) / petals
+    way = np.stack((np.cos(middles), np.sin(middles)), axis=1)
+    np.testing.assert_allclose(field(2 * way), 0, atol=1e-12)
+    np.testing.assert_allclose(field(way), -1, atol=1e-12)
+    between = middles + np.pi / petals
+    way = np.stack((np.cos(between), np.sin(between)), axis=1)
+    np.testing.assert_allclose(field(0.5 * way), 2.5, atol=1e-12)
+
+
+def test_the_rose_has_the_area_of_its_leaves():
+    """Each leaf has pi r^2 / 36 for nine of them: a quarter of the disc in all."""
+    grid = de.Grid(((-1.1, -1.1), (1.1, 1.1)), 0.005)
+    area = geometry.volume(examples.rose()(grid.points), grid.dx)
+    assert area == pytest.approx(np.pi / 4, rel=2e-3)
+
+
+def test_the_nodes_in_the_rose_and_the_star_are_those_of_the_measurements():
+    """Counted in runs of the listings on the thesis's grid: 316 and 481, text's star 125."""
+    points = de.Grid(((-2, -2), (2, 2)), 0.05).points
+    assert np.count_nonzero(examples.rose()(points) < 0) == 316
+    inside = examples.star()(points) < -1e-12  # four cusps lie on nodes
+    assert np.count_nonzero(inside) == 481
+    assert np.count_nonzero(examples.star(1 / 3)(points) < -1e-12) == 125
+
+
+@pytest.mark.parametrize(
+    ("exponent", "area"), [(2 / 3, 3 * np.pi / 8), (1 / 3, 0.2), (1, 2), (2, np.pi)]
+)
+def test_a_star_has_its_area(exponent, area):
+    grid = de.Grid(((-1.2, -1.2), (1.2, 1.2)), 0.0048)
+    found = geometry.volume(examples.star(exponent)(grid.points), grid.dx)
+    assert found == pytest.approx(area, rel=0.03 if exponent < 0.5 else 5e-3)  # thin cusps
+
+
+def zalesak_boundary(radius=0.15, half=0.025, top=0.1):
+    rim = -np.sqrt(radius**2 - half**2)
+    start = np.arctan2(rim, half)
+    angle = np.linspace(start, np.pi - start, 100_001)
+    arc = radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    y, x = np.linspace(rim, top, 30_001), np.linspace(-half, half, 10_001)
+    sides = [np.stack((np.full_like(y, s * half), y), axis=1) for s in (-1, 1)]
+    end = np.stack((x, np.full_like(x, top)), axis=1)
+    return np.concatenate((arc, *sides, end)) + (0.5, 0.75)
+
+
+def test_the_slotted_disc_is_an_exact_distance():
+    field, boundary = examples.zalesak(), zalesak_boundary()
+    rng = np.random.default_rng(17)
+    p = np.concatenate((rng.uniform(0, 1, (3000, 2)), rng.uniform(0.3, 0.95, (6000, 2))))
+    d, sampled = field(p), cKDTree(boundary).query(p)[0]
+    np.testing.assert_allclose(field(boundary), 0, atol=1e-12)
+    assert (np.abs(d) <= sampled + 1e-12).all()
+    assert (sampled <= np.hypot(d, 2e-5) + 1e-9).all()
+    q = p - (0.5, 0.75)
+    in_slot = (np.abs(q[:, 0]) < 0.025) & (q[:, 1] < 0.1)
+    np.testing.assert_array_equal(d < 0, (np.linalg.norm(q, axis=1) < 0.15) & ~in_slot)
+    mirrored = field(p * (-1, 1) + (1, 0))
+    np.testing.assert_allclose(mirrored, d, atol=1e-14)
+
+
+def test_the_slotted_disc_has_its_area():
+    half, r = 0.025, 0.15
+    lid = half * np.sqrt(r**2 - half**2) + r**2 * np.arcsin(half / r)
+    exact = np.pi * r**2 - (0.1 * 2 * half + lid)
+    grid = de.Grid(((0.3, 0.55), (0.7, 0.95)), 0.001)
+    found = geometry.volume(examples.zalesak()(grid.points), grid.dx)
+    assert found == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.parametrize("amplitude", [0.05, 0.3, 0.6])
+def test_the_five_petals_and_their_distance(amplitude):
+    angle = np.linspace(0, 2 * np.pi, 1_000_000)
+    r = 1 + amplitude * np.cos(5 * angle)
+    curve = np.stack((r * np.cos(angle), r * np.sin(angle)), axis=1)
+    p = np.random.default_rng(18).uniform(-2, 2, (4000, 2))
+    field, distance = examples.five_petals(amplitude), examples.five_petals_distance(amplitude)
+    d, sampled = distance(p), cKDTree(curve).query(p)[0]
+    assert (np.abs(d) <= sampled + 1e-13).all()
+    assert (sampled <= np.hypot(d, 2e-5) + 1e-13).all()
+    np.testing.assert_array_equal(field(p) < 0, d < 0)
+    np.testing.assert_allclose(distance(curve[::1000]), 0, atol=1e-14)
+    np.testing.assert_allclose(field(curve[::1000]), 0, atol=1e-14)
+
+
+def test_the_distance_to_the_five_petals_has_slope_one_and_the_level_set_has_not():
+    distance, p = examples.five_petals_distance(), np.random.default_rng(19).normal(size=(2000, 2))
+    length = np.linalg.norm(geometry.gradient_at(distance, p), axis=1)
+    assert (np.abs(length - 1) < 1e-8).mean() > 0.99
+    on_it = p - distance(p)[:, None] * geometry.gradient_at(distance, p)
+    on_it = on_it[np.abs(distance(on_it)) < 1e-9]
+    slopes = np.linalg.norm(geometry.gradient_at(examples.five_petals(), on_it), axis=1)
+    assert slopes.min() == pytest.approx(0.51, abs=0.03)
+    assert slopes.max() == pytest.approx(2.79, abs=0.03)
+
+
+def test_the_five_petals_have_their_area():
+    grid = de.Grid(((-1.5, -1.5), (1.5, 1.5)), 0.01)
+    exact = np.pi * (1 + 0.3**2 / 2)
+    for field in (examples.five_petals(), examples.five_petals_distance()):
+        found = geometry.volume(field(grid.points), grid.dx)
+        assert found == pytest.approx(exact, rel=2e-4)
+
+
+SHAPES = [
+    examples.rose(),
+    examples.star(),
+    examples.zalesak(),
+    examples.five_petals(),
+    examples.five_petals_distance(),
+]
+
+
+@pytest.mark.parametrize("field", SHAPES)
+def test_a_shape_of_the_book_takes_any_leading_shape(field):
+    p = np.random.default_rng(20).uniform(-1, 1, (3, 4, 2))
+    copy = p.copy()
+    assert field(p).shape == (3, 4)
+    assert np.shape(field(p[0, 0])) == ()
+    assert field(p[:0]).shape == (0, 4)
+    np.testing.assert_array_equal(p, copy)
+    assert np.isfinite(field(np.zeros((1, 2)))).all()
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "words"),
+    [
+        (lambda: examples.rose(0), ValueError, "petals must be 1 at least"),
+        (lambda: examples.rose(2.5), TypeError, "petals must be a whole number"),
+        (lambda: examples.rose(radius=0), ValueError, "radius must be one positive number"),
+        (lambda: examples.star(0), ValueError, "exponent must be one positive number"),
+        (lambda: examples.zalesak(width=0.4), ValueError, "must leave the slot in the disc"),
+        (lambda: examples.zalesak(length=0.3), ValueError, "must leave the slot in the disc"),
+        (lambda: examples.zalesak(length=0.001), ValueError, "must leave the slot in the disc"),
+        (lambda: examples.zalesak(radius=-1), ValueError, "radius must be one positive number"),
+        (lambda: examples.zalesak((0, 0, 0)), ValueError, "center must be one point"),
+        (lambda: examples.five_petals(1.2), ValueError, "amplitude must be less than 1"),
+        (lambda: examples.five_petals_distance(0), ValueError, "amplitude must be one positive"),
+    ],
+)
+def test_bad_input_of_a_shape_is_named(make, error, words):
+    with pytest.raises(error, match=words):
+        make()
