@@ -54,7 +54,8 @@ from .implicit_functions import (
 )
 from .mesh import Mesh
 from .normal_motion import crossing_times, godunov_norm, move_in_normal_direction
-from .reinitialization import redistance, reinitialize, smeared_sign, subcell_distance
+from .redistancing import redistance
+from .reinitialization import reinitialize, smeared_sign, subcell_distance
 
 if TYPE_CHECKING:
     from .interactive import explore

@@ -49,7 +49,7 @@ def eno2(
     """
     at = along(axis)
     D1, D2 = _newton_coefficients(boundary(phi, 2, axis), dx, axis, 2)
-    c = _smaller(D2[at(0, -1)], D2[at(1)])
+    c = _smaller_of_neighbours(D2, axis)
     slope = D1[at(1, -1)]
     return (slope + c)[at(0, -1)], (slope - c)[at(1)]
 
@@ -92,7 +92,7 @@ def eno3(
     left, right = D2[at(1, -2)], D2[at(2, -1)]
     grows_left = np.abs(left) <= np.abs(right)
     c = np.where(grows_left, left, right)
-    best = _smaller(D3[at(0, -1)], D3[at(1)])  # for each node, of the two around it
+    best = _smaller_of_neighbours(D3, axis)  # for each node, of the two intervals around it
     c_star = np.where(grows_left, best[at(0, -1)], best[at(1)])
     slope = D1[at(2, -2)]
     # 3 (i - k*)**2 - 6 (i - k*) + 2 at both ends of the interval, where i - k*
@@ -171,9 +171,11 @@ def _newton_coefficients(phi: FloatArray, dx: float, axis: int, order: int) -> l
     return coefficients
 
 
-def _smaller(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return, place by place, the one of smaller size; `a` where they are equal."""
-    return np.where(np.abs(a) <= np.abs(b), a, b)
+def _smaller_of_neighbours(values: FloatArray, axis: int) -> FloatArray:
+    """Return the one of smaller size of each value and the next; of equals, the left one."""
+    at = along(axis)
+    size = np.abs(values)
+    return np.where(size[at(0, -1)] <= size[at(1)], values[at(0, -1)], values[at(1)])
 
 
 def _mean(

@@ -67,7 +67,11 @@ def godunov_norm(
     as_boundary(boundary)
     runge_kutta_order(differences)
     sign = np.sign(as_speed(speed, values.shape))
-    return upwind_norm(values, sign, steps, differences, boundary)
+
+    def norm(phi: FloatArray, boundary: Boundary, sign: FloatArray) -> FloatArray:
+        return upwind_norm(phi, boundary, sign, steps, differences)
+
+    return in_slabs(norm, values, boundary, getattr(differences, "width", None), sign)
 
 
 def move_in_normal_direction(
@@ -145,9 +149,12 @@ def move_in_normal_direction(
 
     start = speed_at(0.0)
 
+    def change(phi: FloatArray, boundary: Boundary, a: FloatArray) -> FloatArray:
+        return -a * upwind_norm(phi, boundary, np.sign(a), steps, differences)
+
     def rate(phi: FloatArray, t: float) -> FloatArray:
         a = speed_at(t) if callable(speed) else start
-        return -a * upwind_norm(phi, np.sign(a), steps, differences, boundary)
+        return in_slabs(change, phi, boundary, getattr(differences, "width", None), a)
 
     def limit(t: float) -> float:
         fastest = np.abs(speed_at(t) if callable(speed) else start).max()
@@ -220,8 +227,11 @@ def crossing_times(
     if interpolation not in ("hermite", "linear"):
         raise ValueError(f"interpolation must be 'hermite' or 'linear'; got {interpolation!r}.")
 
+    def change(phi: FloatArray, boundary: Boundary) -> FloatArray:
+        return -upwind_norm(phi, boundary, np.ones(()), steps, differences)
+
     def rate(phi: FloatArray, _: float) -> FloatArray:
-        return -upwind_norm(phi, np.ones(()), steps, differences, boundary)
+        return in_slabs(change, phi, boundary, getattr(differences, "width", None))
 
     def arrivals(phi: FloatArray) -> FloatArray:
         return _arrivals(phi, rate, time / max(count, 1), count, order, interpolation == "hermite")
@@ -269,10 +279,10 @@ def _zero_of_cubic(
 
 def upwind_norm(
     phi: FloatArray,
+    boundary: Boundary,
     sign: FloatArray,
     dx: Sequence[float],
     differences: Differences,
-    boundary: Boundary,
 ) -> FloatArray:
     """Return `godunov_norm` of arguments that have been checked.
 
@@ -280,24 +290,21 @@ def upwind_norm(
     ----------
     phi : ndarray of any shape
         Values at the nodes.
+    boundary : padding function
+        What lies beyond the last nodes.
     sign : ndarray, a number or of phi's shape
         1, 0 or -1.
     dx : sequence of float, length
         The spacing along each axis.
     differences : scheme
-    boundary : padding function
+        What takes the slopes.
 
     Returns
     -------
     ndarray of phi's shape, phi per length
     """
-
-    def norm(phi: FloatArray, boundary: Boundary, sign: FloatArray) -> FloatArray:
-        squares = np.zeros_like(phi)
-        for axis, h in enumerate(dx):
-            minus, plus = differences(phi, h, axis, boundary=boundary)
-            squares += np.maximum(np.maximum(sign * minus, -sign * plus), 0) ** 2
-        return np.sqrt(squares)
-
-    signs = np.broadcast_to(sign, phi.shape)
-    return in_slabs(norm, phi, boundary, getattr(differences, "width", None), signs)
+    squares, flipped = np.zeros_like(phi), -sign
+    for axis, h in enumerate(dx):
+        minus, plus = differences(phi, h, axis, boundary=boundary)
+        squares += np.maximum(np.maximum(sign * minus, flipped * plus), 0) ** 2
+    return np.sqrt(squares)

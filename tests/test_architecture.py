@@ -30,6 +30,7 @@ MAY_IMPORT = {
     "examples": {"implicit_functions", "grid"},
     "normal_motion": {"convection", "eno"},
     "reinitialization": {"normal_motion"},
+    "redistancing": {"reinitialization"},
     "gradient_limiting": {"normal_motion"},
     "size_functions": {"gradient_limiting", "implicit_functions"},
     "distmesh": {"mesh"},

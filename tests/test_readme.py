@@ -10,8 +10,11 @@ import distmesh_edu as de
 README = (Path(__file__).parents[1] / "README.md").read_text("utf-8")
 
 
+CODE = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+
+
 def test_the_ten_lines_mesh_the_lake(capsys):
-    (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    code = CODE[0]
     assert len(code.splitlines()) <= 10
     names = {}
     with pytest.warns(de.ConvergenceWarning):
@@ -19,6 +22,14 @@ def test_the_ten_lines_mesh_the_lake(capsys):
     assert "nodes" in capsys.readouterr().out
     assert names["mesh"].area == pytest.approx(82_369, rel=0.01)
     assert names["mesh"].quality.mean() > 0.93
+
+
+def test_a_star_shrinks_becomes_a_distance_and_is_meshed():
+    names = {"de": de}
+    exec(CODE[1], names)
+    mesh = names["mesh"]
+    assert mesh.converged
+    assert mesh.area == pytest.approx(de.volume(names["phi"], 0.04), rel=0.05)
 
 
 def test_every_file_it_links_to_exists():
