@@ -51,7 +51,8 @@ def redistance(phi: ArrayLike, dx: float | Sequence[float]) -> FloatArray:
     m + tau.H tau / 2, with the Hessian of a distance at that height, H = K (I + m K)**-1: of
     third order, since the points lie a cell apart. Where the data are kinked within a cell (a
     corner, a feature thinner than two cells) straight lines between neighbouring nodes replace
-    the spline, which would swing.
+    the spline, which would swing; outside a corner that may be off by up to a cell. Spacings
+    that differ by more than a factor of two or so cost accuracy, too.
 
     The closest of the points is found by a k-d tree near the interface and near the medial axis,
     where it matters, and elsewhere by a distance transform.

@@ -143,6 +143,15 @@ def test_turning_phi_inside_out_or_about_changes_nothing_else(dim):
 
 
 @DIMS
+def test_inside_and_outside_are_alike_for_the_roughest_data(dim):
+    """With kinks in every cell, and nodes on the interface among them."""
+    phi = np.random.default_rng(dim).integers(-2, 3, (15, 12, 9)[:dim]).astype(float)
+    assert (phi == 0).any()
+    found = de.redistance(phi, EDGES[:dim])
+    np.testing.assert_allclose(de.redistance(-phi, EDGES[:dim]), -found, rtol=0, atol=1e-12)
+
+
+@DIMS
 def test_no_node_changes_sides(dim):
     phi = np.random.default_rng(dim).standard_normal((20, 15, 12)[:dim])
     np.testing.assert_array_equal(de.redistance(phi, EDGES[:dim]) < 0, phi < 0)

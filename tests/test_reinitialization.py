@@ -65,6 +65,21 @@ def test_the_distance_below_a_cell_is_of_second_order(dim):
     assert np.log2(errors[0] / errors[1]) > 1.6
 
 
+def test_in_the_middle_of_a_thin_feature_the_steeper_slope_counts():
+    """To both sides phi rises as steeply: a central difference would see no slope at all."""
+    thin = de.subcell_distance([1.0, 1, -1, 1, 1], 0.5, differences=de.upwind)
+    assert thin[2] == pytest.approx(-0.25)
+    ridge = de.subcell_distance([-3.0, -2, 1, -1, -3], 1.0, differences=de.upwind)
+    assert ridge[2] == pytest.approx(1 / 3)
+
+
+def test_a_node_next_to_the_interface_is_held_within_a_cell_of_it():
+    """Where phi leaps, the parabola of ENO2 may see a slope that would put it farther away."""
+    phi = np.array([-4.0, -3.9, -3.8, 0.1, 0.2, 0.3])
+    assert de.subcell_distance(phi, 1.0)[2] < -1.5
+    assert de.reinitialize(phi, 1.0, band=1.0)[2] == -1
+
+
 def test_flat_data_have_no_distance_and_do_no_harm():
     phi = np.array([-1.0, -1, -1, 1, 1, 1])
     assert np.isfinite(de.subcell_distance(np.zeros(5), 1.0)).all()
