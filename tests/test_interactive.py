@@ -405,7 +405,8 @@ def test_the_newest_change_wins_and_stale_ones_are_not_drawn(kernel, pause, in_s
     # not flood it, they send the next change when the last one is done.
     assert fresh[-1] == now["index"]
     assert in_subshell or now["index"] == last
-    assert len(fresh) <= 3 + 30 * pause / 0.2
+    # Of 30 changes one after the other; a busy machine may draw a few more than one.
+    assert len(fresh) <= 10 + 30 * pause / 0.2
     assert now["picture"] != before["picture"]
     assert now["figures"] == []
 

@@ -19,7 +19,11 @@ WAIT = 3000  # milliseconds for a picture to change
 
 PICTURE = """async explorer => {
     const picture = explorer.querySelector(".explore-picture");
-    await picture.decode();
+    for (let attempts = 20; ; attempts -= 1) {
+        // It fails while the next picture takes its place.
+        try { await picture.decode(); break; }
+        catch (error) { if (!attempts) throw error; }
+    }
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [picture.naturalWidth, picture.naturalHeight];
     canvas.getContext("2d").drawImage(picture, 0, 0);

@@ -21,10 +21,24 @@ def tidy(notebook: nbformat.NotebookNode) -> None:
     for cell in notebook.cells:
         for key in ("execution", "collapsed", "scrolled", "trusted", "ExecuteTime"):
             cell.metadata.pop(key, None)
+        merge_streams(cell)
         for output in cell.get("outputs", []):
             for mime in [mime for mime in output.get("data", {}) if mime.startswith(WIDGETS)]:
                 del output.data[mime]
                 output.metadata.pop(mime, None)
+
+
+def merge_streams(cell: nbformat.NotebookNode) -> None:
+    """Join what a cell printed: how it was cut in pieces on its way is chance."""
+    merged: list[nbformat.NotebookNode] = []
+    for output in cell.get("outputs", []):
+        last = merged[-1] if merged else {}
+        if output.output_type == "stream" and last.get("name") == output.name:
+            last.text += output.text
+        else:
+            merged.append(output)
+    if "outputs" in cell:
+        cell.outputs = merged
 
 
 def main() -> int:

@@ -4,8 +4,12 @@
 
   const mend = () => {
     // A visible text must be part of the name; where there is such a text, it is the name.
-    for (const element of document.querySelectorAll(".search-button-field[aria-label], summary[aria-label]")) {
+    for (const element of document.querySelectorAll(".search-button-field[aria-label], summary[aria-label]:not(:has(.toctree-toggle))")) {
       element.removeAttribute("aria-label");
+    }
+    // The arrow that folds out the sections of a chapter is only a picture.
+    for (const arrow of document.querySelectorAll("summary:has(.toctree-toggle):not([aria-label])")) {
+      arrow.setAttribute("aria-label", `Sections of ${arrow.closest("li").querySelector("a").textContent.trim()}`);
     }
     // The button has a name of its own; the names of the three pictures in it are not seen.
     for (const picture of document.querySelectorAll(".theme-switch-button svg:not([aria-hidden=true])")) {
