@@ -40,7 +40,7 @@ def redistance(phi: ArrayLike, dx: float | Sequence[float]) -> FloatArray:
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If phi is not finite, has no interface or too few nodes, or dx does not fit it.
 
     Notes

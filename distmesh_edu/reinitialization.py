@@ -76,7 +76,8 @@ def reinitialize(
     Returns
     -------
     ndarray of phi's shape, length
-        Negative where phi is. Where the distances have not arrived, phi is still what it was.
+        Negative where phi is, with `subcell`. Beyond the band it is neither phi nor a distance:
+        some value between, or phi itself where nothing had to be computed.
 
     Raises
     ------
@@ -87,7 +88,7 @@ def reinitialize(
     Warns
     -----
     ConvergenceWarning
-        Without a band: if phi still moves after the time in which distances cross the box.
+        Without a band: if phi still moves after twice the time in which distances cross the box.
     StabilityWarning
         If `stages` is less than what goes with the scheme.
 
@@ -112,7 +113,7 @@ def reinitialize(
     order = runge_kutta_order(differences, stages)
     dt = as_cfl(cfl, differences) / float(np.linalg.norm(1 / np.array(steps)))
     time, settled = _how_long(values.shape, steps, band, tolerance)
-    values, held = _beginning(values, steps, subcell)
+    values, held = _beginning(values, steps, boundary, subcell)
     rate, nodes = _equation(values, held, steps, differences, boundary, subcell, band)
     active, whole = values.ravel()[nodes.number] if nodes else values, _spread(values, nodes)
     inside = active < 0
@@ -133,7 +134,11 @@ def reinitialize(
 
 
 def subcell_distance(
-    phi: ArrayLike, dx: float | Sequence[float], *, differences: Differences = eno2
+    phi: ArrayLike,
+    dx: float | Sequence[float],
+    *,
+    differences: Differences = eno2,
+    boundary: Boundary = extrapolated,
 ) -> FloatArray:
     """Return phi / |grad phi|, the distance to the interface, good to second order next to it.
 
@@ -145,6 +150,8 @@ def subcell_distance(
         The spacing, one number or one for each axis.
     differences : scheme
         What takes the slopes.
+    boundary : padding function
+        What lies beyond the last nodes.
 
     Returns
     -------
@@ -163,7 +170,7 @@ def subcell_distance(
     values = as_values("phi", phi, least=3)
     squares = np.zeros_like(values)
     for axis, h in enumerate(as_spacing(dx, values.ndim)):
-        minus, plus = differences(values, h, axis, boundary=extrapolated)
+        minus, plus = differences(values, h, axis, boundary=boundary)
         squares += np.maximum(np.abs(minus), np.abs(plus)) ** 2
     return values / np.sqrt(np.maximum(squares, 1e-300))
 
@@ -195,13 +202,15 @@ def smeared_sign(phi: ArrayLike, dx: float | Sequence[float]) -> FloatArray:
     return values / np.maximum(np.hypot(values, rise), 1e-300)
 
 
-def next_to_interface(phi: FloatArray) -> BoolArray:
+def next_to_interface(phi: FloatArray, boundary: Boundary = neumann) -> BoolArray:
     """Say which nodes lie on the interface or have a neighbour on its other side.
 
     Parameters
     ----------
     phi : ndarray of any shape
         Values at the nodes.
+    boundary : padding function
+        What lies beyond the last nodes; `periodic` if the first comes after the last.
 
     Returns
     -------
@@ -212,13 +221,12 @@ def next_to_interface(phi: FloatArray) -> BoolArray:
     >>> next_to_interface(np.array([-2.0, -1.0, 1.0, 2.0]))
     array([False,  True,  True, False])
     """
-    side = np.sign(phi)
-    near = side == 0
+    near = phi == 0
     for axis in range(phi.ndim):
         at = along(axis)
+        side = np.sign(boundary(phi, 1, axis))
         changes = side[at(0, -1)] * side[at(1)] < 0
-        near[at(0, -1)] |= changes
-        near[at(1)] |= changes
+        near |= changes[at(0, -1)] | changes[at(1)]
     return np.asarray(near)
 
 
@@ -234,11 +242,13 @@ def _how_long(
 
 
 def _beginning(
-    phi: FloatArray, dx: Sequence[float], subcell: bool
+    phi: FloatArray, dx: Sequence[float], boundary: Boundary, subcell: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Return the values to begin with, and the sign, zero at the nodes that are held."""
-    near = next_to_interface(phi) & subcell
-    within_a_cell = np.clip(subcell_distance(phi, dx), -max(dx), max(dx))
+    wraps = boundary is periodic
+    near = next_to_interface(phi, periodic if wraps else neumann) & subcell
+    distance = subcell_distance(phi, dx, boundary=periodic if wraps else extrapolated)
+    within_a_cell = np.clip(distance, -max(dx), max(dx))
     return np.where(near, within_a_cell, phi), np.where(near, 0, np.sign(phi))
 
 
@@ -279,9 +289,14 @@ def _nodes_in_reach(
     held: FloatArray, dx: Sequence[float], band: float, width: int, boundary: Boundary
 ) -> Nodes | None:
     """Return the nodes that a distance in the band can hang on; None if none or too many."""
-    away = ndimage.distance_transform_edt(held, sampling=dx)
     # What begins further off than this, on its side, is not below the distances in the band.
     reach = max(band + 5 * max(dx), 2 * band) + max(dx)
+    wide, middle = held, []
+    for axis, (h, n) in enumerate(zip(dx, held.shape, strict=True)):
+        beyond = min(int(np.ceil(reach / h)), n)
+        wide = boundary(wide, beyond, axis)
+        middle.append(slice(beyond, beyond + n))
+    away = ndimage.distance_transform_edt(wide, sampling=dx)[tuple(middle)]
     chosen = (away <= reach) & (held != 0)
     return Nodes(chosen, width, boundary) if 0 < chosen.mean() < _FEW else None
 

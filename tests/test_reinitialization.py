@@ -378,3 +378,15 @@ def test_the_callback_sees_the_whole_grid():
     assert {phi.shape for phi in seen} == {d.shape}
     assert np.ptp([phi[0, 0] for phi in seen]) == 0
     assert np.ptp([phi[80, 80 + 42] for phi in seen]) > 0
+
+
+@pytest.mark.parametrize("few", [0.0, 1.1], ids=["everywhere", "nearby"])
+@pytest.mark.parametrize("shift", [1, 50, 99, 150])
+def test_on_a_ring_it_does_not_count_where_the_seam_is(shift, few, monkeypatch):
+    monkeypatch.setattr(reinitialization, "_FEW", few)
+    phi = 3 * np.sin(np.pi * (np.arange(200) * 0.02 - 0.01) / 2)
+    found = [
+        de.reinitialize(np.roll(phi, k), 0.02, band=0.2, boundary=de.periodic) for k in (0, shift)
+    ]
+    band = np.abs(found[0]) < 0.2
+    np.testing.assert_allclose(np.roll(found[1], -shift)[band], found[0][band], atol=1e-12)
