@@ -292,7 +292,10 @@ def advect(
     def limit(t: float) -> float:
         return largest * _limit(flow(t), steps) if callable(velocity) else first_limit
 
-    return march(values, rate, time, limit, stages=order, callback=callback)
+    def step(phi: FloatArray, t: float, dt: float) -> FloatArray:
+        return runge_kutta_step(phi, rate, t, dt, order)
+
+    return march(values, step, time, limit, callback)
 
 
 def advect_semi_lagrangian(
@@ -361,45 +364,37 @@ def advect_semi_lagrangian(
     def limit(t: float) -> float:
         return largest * _limit(cells_per_time(t), (1.0,) * values.ndim)
 
-    now, end = 0.0, as_time(time)
-    while now < end:
-        dt = next_step(now, end, limit)
-        speed = cells_per_time(now + dt / 2)
+    def step(phi: FloatArray, t: float, dt: float) -> FloatArray:
+        speed = cells_per_time(t + dt / 2)
         reach = int(np.ceil(dt * np.abs(speed).max())) + 1
         halfway = nodes - dt / 2 * speed
         passing = [_sampled(one, halfway, reach, boundary, degree=1) for one in speed]
-        values = _sampled(values, nodes - dt * np.stack(passing), reach, boundary, degree=3)
-        now = end if dt >= end - now else now + dt
-        if callback is not None:
-            callback(now, values)
-    return values
+        return _sampled(phi, nodes - dt * np.stack(passing), reach, boundary, degree=3)
+
+    return march(values, step, time, limit, callback)
 
 
 def march(
     phi: FloatArray,
-    rate: Rate,
+    step: Callable[[FloatArray, float, float], FloatArray],
     time: float,
     limit: Callable[[float], float],
-    *,
-    stages: int,
     callback: Callback | None = None,
 ) -> FloatArray:
-    """Return phi after some time of phi_t = rate(phi, t), in equal steps no longer than allowed.
+    """Return phi after some time, in equal steps no longer than allowed.
 
     Parameters
     ----------
     phi : ndarray
         The values at time zero.
-    rate : callable
-        Takes phi and a time, returns phi_t, a new array.
+    step : callable
+        Takes phi, a time and the length of a step, returns phi at its end, a new array.
     time : float, time
         How long; zero or more.
     limit : callable
         Takes a time, returns the longest step allowed then.
-    stages : {1, 2, 3}
-        The order of the TVD Runge-Kutta method.
     callback : callable, optional
-        Called as callback(t, phi) after each step.
+        Called as callback(t, phi) after each step, with an array that cannot be written to.
 
     Returns
     -------
@@ -408,17 +403,38 @@ def march(
 
     Examples
     --------
-    >>> march(np.ones(1), lambda phi, t: -phi, 1.0, lambda t: 0.5, stages=1)
+    >>> march(np.ones(1), lambda phi, t, dt: phi - dt * phi, 1.0, lambda t: 0.5)
     array([0.25])
     """
     now, end = 0.0, as_time(time)
     while now < end:
         dt = next_step(now, end, limit)
-        phi = runge_kutta_step(phi, rate, now, dt, stages)
+        phi = step(phi, now, dt)
         now = end if dt >= end - now else now + dt
         if callback is not None:
-            callback(now, phi)
+            callback(now, read_only(phi))
     return phi
+
+
+def read_only(phi: FloatArray) -> FloatArray:
+    """Return a view of an array through which it cannot be changed.
+
+    Parameters
+    ----------
+    phi : ndarray
+
+    Returns
+    -------
+    ndarray
+
+    Examples
+    --------
+    >>> read_only(np.zeros(2)).flags.writeable
+    False
+    """
+    view = phi.view()
+    view.flags.writeable = False
+    return view
 
 
 def next_step(now: float, end: float, limit: Callable[[float], float]) -> float:

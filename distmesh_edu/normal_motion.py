@@ -160,7 +160,10 @@ def move_in_normal_direction(
         fastest = np.abs(speed_at(t) if callable(speed) else start).max()
         return reach / float(fastest) if fastest else np.inf
 
-    return march(values, rate, time, limit, stages=order, callback=callback)
+    def step(phi: FloatArray, t: float, dt: float) -> FloatArray:
+        return runge_kutta_step(phi, rate, t, dt, order)
+
+    return march(values, step, time, limit, callback)
 
 
 def crossing_times(
@@ -236,7 +239,7 @@ def crossing_times(
     def arrivals(phi: FloatArray) -> FloatArray:
         return _arrivals(phi, rate, time / max(count, 1), count, order, interpolation == "hermite")
 
-    return np.where(values > 0, arrivals(values), -arrivals(-values))
+    return np.where(values > 0, arrivals(values), 0 - arrivals(-values))
 
 
 def _arrivals(
@@ -244,10 +247,11 @@ def _arrivals(
 ) -> FloatArray:
     """Return when phi passes from above zero to zero, zero where it is not above at first."""
     arrival = np.where(phi > 0, np.inf, 0.0)
-    slope = rate(phi, 0.0)
+    slope = later_slope = rate(phi, 0.0) if smooth else phi
     for step in range(count):
         later = runge_kutta_step(phi, rate, step * dt, dt, stages)
-        later_slope = rate(later, 0.0)
+        if smooth:
+            later_slope = rate(later, 0.0)
         crossed = (arrival == np.inf) & (later <= 0)
         a, b = phi[crossed], later[crossed]
         share = a / (a - b)

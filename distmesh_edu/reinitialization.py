@@ -22,7 +22,7 @@ from ._validation import (
 )
 from ._warnings import ConvergenceWarning
 from .boundaries import extrapolated, neumann, periodic
-from .convection import Callback, Rate, runge_kutta_order, runge_kutta_step
+from .convection import Callback, Rate, read_only, runge_kutta_order, runge_kutta_step
 from .eno import eno2
 from .normal_motion import upwind_norm
 
@@ -123,7 +123,7 @@ def reinitialize(
             crossed = (active < 0) != inside
             active[crossed] = np.where(inside[crossed], -min(steps) / 2, min(steps) / 2)
         if callback is not None:
-            callback(step * dt, whole(active))
+            callback(step * dt, read_only(whole(active)))
         if settled and np.abs(active - before).max() <= settled * dt:
             break
     else:
@@ -144,7 +144,7 @@ def subcell_distance(
 
     Parameters
     ----------
-    phi : array_like of one to three axes
+    phi : array_like of one to three axes, with three nodes at least along each
         Values at the nodes.
     dx : float or sequence of float, length
         The spacing, one number or one for each axis.
@@ -157,6 +157,12 @@ def subcell_distance(
     -------
     ndarray of phi's shape, length
 
+    Raises
+    ------
+    ValueError, TypeError
+        If phi is not finite or has too few nodes, dx does not fit it, or `differences` is no
+        scheme.
+
     Notes
     -----
     Along each axis the steeper of the slopes from the left and from the right counts: at a node in
@@ -167,7 +173,9 @@ def subcell_distance(
     >>> subcell_distance([-3.0, -1.0, 1.0, 3.0], 0.5)
     array([-0.75, -0.25,  0.25,  0.75])
     """
-    values = as_values("phi", phi, least=3)
+    values = _to_scale(as_values("phi", phi, least=3))
+    runge_kutta_order(differences)
+    as_boundary(boundary)
     squares = np.zeros_like(values)
     for axis, h in enumerate(as_spacing(dx, values.ndim)):
         minus, plus = differences(values, h, axis, boundary=boundary)
@@ -180,7 +188,7 @@ def smeared_sign(phi: ArrayLike, dx: float | Sequence[float]) -> FloatArray:
 
     Parameters
     ----------
-    phi : array_like of one to three axes
+    phi : array_like of one to three axes, with three nodes at least along each
         Values at the nodes.
     dx : float or sequence of float, length
         The spacing, one number or one for each axis.
@@ -190,12 +198,17 @@ def smeared_sign(phi: ArrayLike, dx: float | Sequence[float]) -> FloatArray:
     ndarray of phi's shape, dimensionless
         About 1 far outside, -1 far inside, 0 on the interface; the same for phi and 100 phi.
 
+    Raises
+    ------
+    ValueError, TypeError
+        If phi is not finite or has too few nodes, or dx does not fit it.
+
     Examples
     --------
     >>> smeared_sign([-100.0, 0.0, 100.0], 1.0).round(3)
     array([-0.707,  0.   ,  0.707])
     """
-    values = as_values("phi", phi, least=3)
+    values = _to_scale(as_values("phi", phi, least=3))
     steps = as_spacing(dx, values.ndim)
     slopes = [np.gradient(values, h, axis=axis) for axis, h in enumerate(steps)]
     rise = np.sqrt(sum(slope**2 for slope in slopes)) * max(steps)
@@ -228,6 +241,11 @@ def next_to_interface(phi: FloatArray, boundary: Boundary = neumann) -> BoolArra
         changes = side[at(0, -1)] * side[at(1)] < 0
         near |= changes[at(0, -1)] | changes[at(1)]
     return np.asarray(near)
+
+
+def _to_scale(phi: FloatArray) -> FloatArray:
+    """Return phi over its largest size, for squares of very large or small values overflow."""
+    return phi / (np.abs(phi).max() or 1.0)
 
 
 def _how_long(

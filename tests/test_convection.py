@@ -397,10 +397,30 @@ def test_a_scheme_of_ones_own_needs_no_attributes(monkeypatch):
 )
 def test_order_of_the_runge_kutta_methods(rate, end, stages):
     def error(n):
-        y = march(np.ones(1), rate, 1.0, lambda t: 1 / n, stages=stages)
+        def step(y, t, dt):
+            return de.runge_kutta_step(y, rate, t, dt, stages)
+
+        y = march(np.ones(1), step, 1.0, lambda t: 1 / n)
         return abs(y[0] - end)
 
     assert np.log2(error(40) / error(80)) == pytest.approx(stages, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    "solver",
+    [
+        lambda phi, callback: de.advect(phi, 1.0, 0.1, 0.3, callback=callback),
+        lambda phi, callback: de.advect_semi_lagrangian(phi, 1.0, 0.1, 0.3, callback=callback),
+        lambda phi, callback: de.move_in_normal_direction(phi, 1.0, 0.1, 0.3, callback=callback),
+        lambda phi, callback: de.reinitialize(phi, 0.1, band=0.3, callback=callback),
+    ],
+)
+def test_a_callback_cannot_change_what_it_sees(solver):
+    def spoil(_, phi):
+        phi *= 0
+
+    with pytest.raises(ValueError, match="read-only"):
+        solver(np.linspace(-1, 1, 21), spoil)
 
 
 def test_steps_are_equal_and_divide_the_time():

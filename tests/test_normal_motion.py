@@ -466,3 +466,9 @@ def test_a_runge_kutta_step_of_the_rate_is_what_the_solver_takes():
     found = de.move_in_normal_direction(phi, 1.0, 1.0, 0.3)
     step = runge_kutta_step(phi, lambda phi, t: -de.godunov_norm(phi, 1.0, 1.0), 0.0, 0.3, 2)
     np.testing.assert_array_equal(found, step)
+
+
+def test_a_front_is_at_its_start_at_time_zero_and_not_at_minus_zero():
+    times = de.crossing_times(np.arange(-2.0, 3.0), 1.0, 1.5)
+    assert times[2] == 0
+    assert not np.signbit(times[2])

@@ -390,3 +390,19 @@ def test_on_a_ring_it_does_not_count_where_the_seam_is(shift, few, monkeypatch):
     ]
     band = np.abs(found[0]) < 0.2
     np.testing.assert_allclose(np.roll(found[1], -shift)[band], found[0][band], atol=1e-12)
+
+
+@pytest.mark.parametrize("factor", [1e-160, 1e160])
+@DIMS
+def test_very_large_and_very_small_values_have_the_same_distances(dim, factor):
+    d, dx = ball(dim, 21)
+    phi = level_set(d)
+    for solver in (de.subcell_distance, de.smeared_sign):
+        np.testing.assert_allclose(solver(factor * phi, dx), solver(phi, dx), rtol=1e-12)
+
+
+def test_a_scheme_that_is_none_is_named_by_the_distance_below_a_cell():
+    with pytest.raises(TypeError, match="differences must be a scheme"):
+        de.subcell_distance(PHI, 0.1, differences="eno2")
+    with pytest.raises(TypeError, match="boundary must be a padding function"):
+        de.subcell_distance(PHI, 0.1, boundary="periodic")
