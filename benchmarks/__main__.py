@@ -1,6 +1,7 @@
 """`make bench`: what the library costs, beside plain transcriptions, a floor, and its peers."""
 
 import platform
+import sys
 import warnings
 
 import matplotlib
@@ -8,21 +9,22 @@ import numpy as np
 
 import distmesh_edu as de
 
-from . import level_sets, meshes
+from . import level_sets, limiting, meshes
+
+PARTS = {"meshes": meshes.report, "limiting": limiting.report, "level_sets": level_sets.report}
 
 
-def main():
-    """Print everything in one run."""
+def main(names):
+    """Print the parts asked for, as in `python -m benchmarks meshes`, or all, in one run."""
     matplotlib.use("Agg")
     warnings.simplefilter("ignore", de.ConvergenceWarning)
+    warnings.simplefilter("ignore", de.ResolutionWarning)
     versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
     print(f"{platform.system()} {platform.machine()}, {versions}")
     print("Medians of up to three runs, taken in turns; trust the ratios, not the seconds.")
-    meshes.disc()
-    meshes.lake()
-    meshes.frames()
-    level_sets.report()
+    for name in names or PARTS:
+        PARTS[name]()
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from . import examples
 from ._types import Field
-from ._warnings import ConvergenceWarning, StabilityWarning
+from ._warnings import ConvergenceWarning, ResolutionWarning, StabilityWarning
 from .boundaries import extrapolated, neumann, periodic
 from .convection import (
     advect,
@@ -14,7 +14,7 @@ from .convection import (
     time_step_limit,
     upwind,
 )
-from .distmesh import distmesh2d, distmesh2d_steps
+from .distmesh import distmesh2d, distmesh2d_steps, distmesh3d, distmesh3d_steps
 from .eno import eno2, eno3, weno5
 from .geometry import (
     closest_point,
@@ -30,6 +30,7 @@ from .geometry import (
     unit_normal_at,
     volume,
 )
+from .gradient_limiting import limit_gradient, limit_gradient_pde
 from .grid import Grid
 from .implicit_functions import (
     blend,
@@ -53,9 +54,18 @@ from .implicit_functions import (
     union,
 )
 from .mesh import Mesh
+from .mesh_generation import generate_mesh, unresolved
 from .normal_motion import crossing_times, godunov_norm, move_in_normal_direction
 from .redistancing import redistance
 from .reinitialization import reinitialize, smeared_sign, subcell_distance
+from .size_functions import (
+    feature_size,
+    medial_axis,
+    size_from_curvature,
+    size_from_data,
+    size_from_distance,
+    size_function,
+)
 
 if TYPE_CHECKING:
     from .interactive import explore
@@ -85,6 +95,7 @@ __all__ = [
     "Field",
     "Grid",
     "Mesh",
+    "ResolutionWarning",
     "StabilityWarning",
     "advect",
     "advect_semi_lagrangian",
@@ -102,20 +113,27 @@ __all__ = [
     "difference",
     "distmesh2d",
     "distmesh2d_steps",
+    "distmesh3d",
+    "distmesh3d_steps",
     "ellipse",
     "eno2",
     "eno3",
     "examples",
     "explore",
     "extrapolated",
+    "feature_size",
+    "generate_mesh",
     "godunov_norm",
     "gradient",
     "gradient_at",
     "half_plane",
     "interface_area",
     "intersection",
+    "limit_gradient",
+    "limit_gradient_pde",
     "mean_curvature",
     "mean_curvature_at",
+    "medial_axis",
     "move_in_normal_direction",
     "neumann",
     "periodic",
@@ -131,6 +149,10 @@ __all__ = [
     "runge_kutta_step",
     "scaling",
     "segment",
+    "size_from_curvature",
+    "size_from_data",
+    "size_from_distance",
+    "size_function",
     "smeared_sign",
     "sphere",
     "subcell_distance",
@@ -140,6 +162,7 @@ __all__ = [
     "union",
     "unit_normal",
     "unit_normal_at",
+    "unresolved",
     "upwind",
     "volume",
     "weno5",

@@ -1,18 +1,12 @@
 """What every public door asks of its arguments: each error names one, its value, and a remedy."""
 
 import operator
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 Points = NDArray[np.float64]
-
-LATTICE_LIMIT = 5e7
-"""Points of the first lattice: a gigabyte or two. Beyond, h0 is a slip rather than a wish."""
 
 
 def as_numbers(name: str, value: ArrayLike) -> Points:
@@ -200,118 +194,3 @@ def evaluate(name: str, field: Any, points: Points) -> Points:
             "Give it a value there, or keep the box away from that point."
         )
     return values.astype(np.float64)
-
-
-@dataclass(frozen=True)
-class Region:
-    """What is to be meshed: the fields, checked whenever they are asked, and the sizes."""
-
-    fd: Callable[[Points], Points]
-    fh: Callable[[Points], Points] | None
-    h0: float
-    bbox: Points
-    pfix: Points
-
-    @property
-    def geps(self) -> float:
-        """How far outside a point may lie and still count as inside (length)."""
-        return 1e-3 * self.h0
-
-    def distance(self, p: Points) -> Points:
-        return evaluate("fd", self.fd, p)
-
-    def slope(self, p: Points) -> float:
-        """Return about how long the gradient of fd is near its zeros: 1 for a distance."""
-        nearest = p[np.argsort(np.abs(self.distance(p)))[:20]]
-        steps = self.h0 / 10 * np.eye(p.shape[1])
-        rises = [self.distance(nearest + e) - self.distance(nearest - e) for e in steps]
-        return float(np.median(np.linalg.norm(rises, axis=0))) / (self.h0 / 5)
-
-    def size(self, p: Points) -> Points:
-        if self.fh is None:
-            return np.ones(len(p))
-        h = evaluate("fh", self.fh, p)
-        if h.size and h.min() <= 0:
-            raise ValueError(
-                f"fh must be positive wherever the mesh goes; it is {h.min():g} at "
-                f"{p[int(h.argmin())].tolist()}. Bound it from below, as in "
-                "lambda p: np.maximum(fh(p), smallest)."
-            )
-        return h
-
-
-def as_region(
-    fd: Any, fh: Any, h0: float, bbox: ArrayLike, pfix: ArrayLike | None, dim: int
-) -> Region:
-    """Return what is to be meshed, or say which argument makes no sense."""
-    region = Region(
-        as_field("fd", fd),
-        None if fh is None else as_field("fh", fh),
-        as_positive("h0", h0),
-        as_bbox(bbox, dim),
-        np.empty((0, dim)) if pfix is None else as_points("pfix", pfix, dim),
-    )
-    _check_size(region)
-    _check_box(region)
-    _check_fixed_points(region)
-    return region
-
-
-def _check_size(region: Region) -> None:
-    """Refuse a box smaller than h0, and an h0 so small that no memory would hold the lattice."""
-    sides = region.bbox[1] - region.bbox[0]
-    if region.h0 > sides.min():
-        raise ValueError(
-            f"h0 must not be larger than the box; h0 = {region.h0:g}, and the box measures "
-            f"{' by '.join(f'{side:g}' for side in sides)}."
-        )
-    points = (sides / region.h0).prod()
-    if points > LATTICE_LIMIT:
-        raise ValueError(
-            f"h0 = {region.h0:g} would fill the box with {points:.1e} points, more than "
-            f"{LATTICE_LIMIT:.0e}. Take a larger h0, or a box closer to the region."
-        )
-
-
-def _check_box(region: Region) -> None:
-    """Refuse a box whose rim, sampled every h0, cuts the region."""
-    lower, upper = region.bbox
-    counts = np.ceil((upper - lower) / region.h0).astype(int) + 1
-    x, y = (np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True))
-    rim = np.concatenate(
-        [np.stack((x, np.full_like(x, side)), axis=1) for side in (lower[1], upper[1])]
-        + [np.stack((np.full_like(y, side), y), axis=1) for side in (lower[0], upper[0])]
-    )
-    d = region.distance(rim)
-    # Less than half a triangle beyond the box does no harm: the truss grows into it.
-    if d.min() < -region.h0 / 2:
-        where = rim[int(d.argmin())].tolist()
-        everywhere = bool((d < region.geps).all())
-        remedy = (
-            "It is nowhere positive on the box's rim: pass complement(fd) if its sign is "
-            "flipped, or else widen the box."
-            if everywhere
-            else "Widen the box until the region lies inside it."
-        )
-        raise ValueError(f"bbox cuts the region: fd is {d.min():g} at {where}. {remedy}")
-
-
-def _check_fixed_points(region: Region) -> None:
-    """Refuse a fixed point outside the region, and one given twice."""
-    pfix = region.pfix
-    if not len(pfix):
-        return
-    d = region.distance(pfix)
-    # A distance interpolated on a grid is off by a little at corners: allow a fifth of h0.
-    if d.max() > 0.2 * region.h0:
-        where = pfix[int(d.argmax())].tolist()
-        raise ValueError(
-            f"pfix must lie in the region or on its boundary; {where} is {d.max():g} outside. "
-            "Move it there, or remove it."
-        )
-    close = cKDTree(pfix).query_pairs(1e-6 * region.h0)
-    if close:
-        i, j = min(close)
-        raise ValueError(
-            f"pfix gives the point {pfix[i].tolist()} twice, in rows {i} and {j}. Remove one."
-        )

@@ -9,4 +9,8 @@ class StabilityWarning(UserWarning):
     """A pair of scheme and time stepping whose errors may grow from step to step."""
 
 
-__all__ = ["ConvergenceWarning", "StabilityWarning"]
+class ResolutionWarning(UserWarning):
+    """The region has features finer than the mesh."""
+
+
+__all__ = ["ConvergenceWarning", "ResolutionWarning", "StabilityWarning"]

@@ -128,7 +128,11 @@ def _colours(rgba: NDArray[np.float64], gid: str) -> str:
     distinct = sorted({_colour(one, gid) for one in rgba})
     if len(distinct) <= 1:
         return distinct[0] if distinct else "none"
-    names = " ".join(distinct) if len(distinct) <= 3 else f"{len(rgba)} colours"
+    names = (
+        " ".join(distinct)
+        if len(distinct) <= 3
+        else f"{ABOUT if gid == UNSETTLED else ''}{len(rgba)} colours"
+    )
     channels = zip(("red", "green", "blue", "alpha"), rgba.T, strict=True)
     said = "; ".join(f"{name} {_array(channel, gid)}" for name, channel in channels)
     return f"{names} ({said})"

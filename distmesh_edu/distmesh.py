@@ -1,25 +1,28 @@
-"""DistMesh in the plane: a truss that relaxes, retriangulated as it moves, held by a distance.
+"""DistMesh: a truss that relaxes, retriangulated as it moves, held by a distance.
 
-The algorithm of Persson and Strang in the eight steps of section 5.5 of the thesis, one function
-a step, with the five corrections that the book's errata prove necessary.
+The algorithm of Persson and Strang in the eight steps of sections 5.5 and 5.7 of the thesis, one
+function a step and one body for every dimension, with the five corrections that the book's errata
+prove necessary.
 """
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.spatial import Delaunay, QhullError, cKDTree
+from scipy.spatial import Delaunay, QhullError
 
 from ._types import ArrayLike, Field, FloatArray, IntArray
-from ._validation import Region, as_count, as_generator, as_positive, as_region
+from ._validation import as_count, as_generator, as_positive
 from ._warnings import ConvergenceWarning
 from .mesh import HISTORY, Mesh, radius_ratio, unique_edges
+from .region import Region, as_region
 
 # The functions of the single steps are for reading, and for whoever builds on them.
-__all__ = ["distmesh2d", "distmesh2d_steps"]
+__all__ = ["distmesh2d", "distmesh2d_steps", "distmesh3d", "distmesh3d_steps"]
 
 
 def distmesh2d(
@@ -98,24 +101,22 @@ def distmesh2d(
     >>> distmesh2d(circle(), None, 0.2, ((-1, -1), (1, 1))).t.shape
     (143, 3)
     """
-    steps = distmesh2d_steps(
-        fd,
-        fh,
-        h0,
-        bbox,
-        pfix,
-        rng=rng,
-        max_steps=max_steps,
-        dptol=dptol,
-        ttol=ttol,
-        Fscale=Fscale,
-        deltat=deltat,
+    return _at_rest(
+        distmesh2d_steps(
+            fd,
+            fh,
+            h0,
+            bbox,
+            pfix,
+            rng=rng,
+            max_steps=max_steps,
+            dptol=dptol,
+            ttol=ttol,
+            Fscale=Fscale,
+            deltat=deltat,
+        ),
+        dptol,
     )
-    for mesh in steps:
-        last = mesh
-    if not last.converged:
-        warnings.warn(_how_far(last, dptol), ConvergenceWarning, stacklevel=2)
-    return last
 
 
 def distmesh2d_steps(
@@ -158,24 +159,148 @@ def distmesh2d_steps(
     [0, 1, 2]
     """
     region = as_region(fd, fh, h0, bbox, pfix, dim=2)
-    tuning = {"dptol": dptol, "ttol": ttol, "Fscale": Fscale, "deltat": deltat}
-    for name, value in tuning.items():
+    return _checked(region, rng, max_steps, Tuning(dptol, ttol, Fscale, deltat))
+
+
+def distmesh3d(
+    fd: Field,
+    fh: Field | None,
+    h0: float,
+    bbox: ArrayLike,
+    pfix: ArrayLike | None = None,
+    *,
+    rng: int | np.random.Generator = 0,
+    max_steps: int = 2000,
+    dptol: float = 0.001,
+    ttol: float = 0.1,
+    Fscale: float = 1.1,
+    deltat: float = 0.1,
+) -> Mesh:
+    """Return a mesh of tetrahedra of the region fd < 0 whose edges follow the size function fh.
+
+    Parameters
+    ----------
+    fd, fh, h0, bbox, pfix, rng, max_steps, dptol, ttol, Fscale, deltat
+        As for `distmesh2d`, with points (x, y, z) and a box ((xmin, ymin, zmin), (xmax, ymax,
+        zmax)). The pressure and the step are smaller than in the plane, as a node has more bars.
+
+    Returns
+    -------
+    Mesh
+        `p` of shape (n, 3) and `t` of shape (m, 4). A few of its tetrahedra will be slivers, four
+        nodes near one circle: `generate_mesh` removes them.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `distmesh2d`.
+
+    Warns
+    -----
+    ConvergenceWarning
+        If `max_steps` did not suffice; the best triangulation since half-time is returned.
+
+    Notes
+    -----
+    Thesis section 5.7, with the five corrections of `distmesh2d`. As in its listing, the nodes
+    start from a cubic lattice, points up to h0 / 10 outside are kept, and a tetrahedron counts
+    as inside if its centroid lies h0 / 10 deep.
+
+    Examples
+    --------
+    >>> from distmesh_edu import sphere
+    >>> len(distmesh3d(sphere(), None, 0.5, ((-1, -1, -1), (1, 1, 1))).p)
+    33
+    """
+    return _at_rest(
+        distmesh3d_steps(
+            fd,
+            fh,
+            h0,
+            bbox,
+            pfix,
+            rng=rng,
+            max_steps=max_steps,
+            dptol=dptol,
+            ttol=ttol,
+            Fscale=Fscale,
+            deltat=deltat,
+        ),
+        dptol,
+    )
+
+
+def distmesh3d_steps(
+    fd: Field,
+    fh: Field | None,
+    h0: float,
+    bbox: ArrayLike,
+    pfix: ArrayLike | None = None,
+    *,
+    rng: int | np.random.Generator = 0,
+    max_steps: int = 2000,
+    dptol: float = 0.001,
+    ttol: float = 0.1,
+    Fscale: float = 1.1,
+    deltat: float = 0.1,
+) -> Iterator[Mesh]:
+    """Yield the mesh at the start, after each step, and at the end: for animations.
+
+    Parameters
+    ----------
+    fd, fh, h0, bbox, pfix, rng, max_steps, dptol, ttol, Fscale, deltat
+        As for `distmesh3d`, which returns the last of these meshes.
+
+    Yields
+    ------
+    Mesh
+        As `distmesh2d_steps`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `distmesh2d`.
+
+    Examples
+    --------
+    >>> from distmesh_edu import sphere
+    >>> next(distmesh3d_steps(sphere(), None, 0.5, ((-1, -1, -1), (1, 1, 1)))).t.shape[1]
+    4
+    """
+    region = as_region(fd, fh, h0, bbox, pfix, dim=3, tolerance=0.1)
+    return _checked(region, rng, max_steps, Tuning(dptol, ttol, Fscale, deltat))
+
+
+class Tuning(NamedTuple):
+    """The constants of the method, dimensionless: see `distmesh2d`."""
+
+    dptol: float
+    ttol: float
+    Fscale: float
+    deltat: float
+
+
+def _checked(region: Region, rng: object, max_steps: int, tuning: Tuning) -> Iterator[Mesh]:
+    for name, value in tuning._asdict().items():
         as_positive(name, value)
-    steps = as_count("max_steps", max_steps)
-    return _relax(region, as_generator(rng), steps, **tuning)
+    return _relax(region, as_generator(rng), as_count("max_steps", max_steps), tuning)
+
+
+def _at_rest(steps: Iterator[Mesh], dptol: float) -> Mesh:
+    """Return the last mesh, with a warning if it is not at rest."""
+    for mesh in steps:
+        last = mesh
+    if not last.converged:
+        warnings.warn(_how_far(last, dptol), ConvergenceWarning, stacklevel=3)
+    return last
 
 
 def _relax(
-    region: Region,
-    rng: np.random.Generator,
-    max_steps: int,
-    dptol: float,
-    ttol: float,
-    Fscale: float,
-    deltat: float,
+    region: Region, rng: np.random.Generator, max_steps: int, tuning: Tuning
 ) -> Iterator[Mesh]:
+    dptol, ttol, Fscale, deltat = tuning
     # 1. Distribute points over the box
-    p = triangular_lattice(region.bbox, region.h0)
+    p = lattice(region.bbox, region.h0)
     # 2. Remove those outside, and thin out where fh is large
     p = reject(keep_inside(p, region), region, rng)
     p = np.concatenate((region.pfix, p))
@@ -195,13 +320,15 @@ def _relax(
         yield Mesh(p, t, False, step, log.history)
 
         # 6. Move the nodes by the forces of the bars
-        F = bar_forces(p, bars, D, region, Fscale)
+        h = region.size(p[bars].mean(axis=1))
+        F = bar_forces(D, p, h, Fscale)
         F[:fixed] = 0
         before, p = p, p + deltat * F
         # 7. Bring points back to the boundary
-        p, interior = project(p, fixed, region)
+        p, d = project(p, fixed, region)
         # 8. Stop when the interior is at rest (if there is none, the boundary)
-        moves = deltat * F[interior] if len(interior) else p - before
+        interior = d < -region.geps
+        moves = deltat * F[interior] if interior.any() else p - before
         move = longest(moves) / region.h0
         if move < dptol:
             break
@@ -212,12 +339,19 @@ def _relax(
 def _at_the_end(
     p: FloatArray, region: Region, log: _Log, steps: int, move: float, converged: bool
 ) -> Mesh:
-    """Return the mesh with triangles that belong to its nodes; if it never settled, the best."""
+    """Return the mesh with simplices that belong to its nodes; if it never settled, the best."""
     log.record(steps, move, p, triangulate(p, region))
     p, t = log.last if converged else log.best
-    # A node that a place thinner than h0 has left without a triangle would make a solver fail.
-    used = np.union1d(np.arange(len(region.pfix)), t)
-    return Mesh(p[used], np.searchsorted(used, t), converged, steps, log.history)
+    return Mesh(*without_orphans(p, t, len(region.pfix)), converged, steps, log.history)
+
+
+def without_orphans(p: FloatArray, t: IntArray, fixed: int) -> tuple[FloatArray, IntArray]:
+    """Return the mesh without nodes that no simplex uses, save the fixed ones.
+
+    A place thinner than h0 may leave such a node behind, and a solver would fail at it.
+    """
+    used = np.union1d(np.arange(fixed), t)
+    return p[used], np.searchsorted(used, t)
 
 
 class _Log:
@@ -243,38 +377,33 @@ class _Log:
             self.best = p, t
 
 
-def triangular_lattice(bbox: FloatArray, h0: float) -> FloatArray:
-    """1. Return the corners of equilateral triangles of side h0 that fill the box."""
-    (x0, y0), (x1, y1) = bbox
+def lattice(bbox: FloatArray, h0: float) -> FloatArray:
+    """1. Return the nodes of a lattice of side h0 that fills the box.
+
+    In the plane the corners of equilateral triangles; on a line and in space, of a grid.
+    """
+    sides = np.full(bbox.shape[1], h0)
+    if len(sides) == 2:
+        sides[1] *= np.sqrt(3) / 2
     slack = 1e-9 * h0  # so that rounding does not lose the last row
-    x, y = np.meshgrid(
-        np.arange(x0, x1 + slack, h0), np.arange(y0, y1 + slack, h0 * np.sqrt(3) / 2)
-    )
-    x[1::2] += h0 / 2
-    return np.stack((x.ravel(), y.ravel()), axis=1)
+    axes = [np.arange(a, b + slack, side) for (a, b), side in zip(bbox.T, sides, strict=True)]
+    p = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    if len(sides) == 2:
+        p[:, 1::2, 0] += h0 / 2
+    # The first coordinate runs fastest: neighbours in space are neighbours in the list.
+    return p.transpose(*range(p.ndim - 2, -1, -1), p.ndim - 1).reshape(-1, len(sides))
 
 
 def keep_inside(p: FloatArray, region: Region) -> FloatArray:
     """2a. Return the points inside, without those that a fixed point already stands on."""
-    lattice, p = p, p[region.distance(p) < region.geps]
-    if len(region.pfix):
-        gap, _ = cKDTree(region.pfix).query(p)
-        p = p[gap > 1e-6 * region.h0]
-    if len(p) + len(region.pfix) < 3:
-        raise ValueError(
-            f"fd leaves {len(p)} points inside of a lattice of side h0 = {region.h0:g} in the "
-            "box: the region is empty, thinner than h0, or elsewhere. Take a smaller h0, check "
-            "bbox, or pass complement(fd) if fd is positive inside."
-        )
-    _check_slope(region.slope(lattice))
-    return p
+    return p[region.inside(p)]
 
 
 def reject(p: FloatArray, region: Region, rng: np.random.Generator) -> FloatArray:
-    """2b. Keep each point with a probability proportional to the wanted density, 1 / h**2."""
+    """2b. Keep each point with a probability proportional to the wanted density, 1 / h**dim."""
     h = region.size(p)
-    keep = rng.random(len(p)) < (h.min(initial=np.inf) / h) ** 2
-    if keep.sum() + len(region.pfix) < 3:
+    keep = rng.random(len(p)) < (h.min(initial=np.inf) / h) ** p.shape[1]
+    if keep.sum() + len(region.pfix) <= p.shape[1]:
         raise ValueError(
             f"fh keeps {keep.sum()} of {len(p)} points: over the region it goes from {h.min():g} "
             f"to {h.max():g}. Take h0 near the smallest edge you want, or bound fh from below."
@@ -282,24 +411,38 @@ def reject(p: FloatArray, region: Region, rng: np.random.Generator) -> FloatArra
     return np.asarray(p[keep])
 
 
+def lengths(vectors: FloatArray) -> FloatArray:
+    """Return the length of each row."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+
+
 def longest(vectors: FloatArray) -> float:
     """Return the length of the longest row."""
-    return float(np.hypot(vectors[:, 0], vectors[:, 1]).max(initial=0))
+    return float(lengths(vectors).max(initial=0))
+
+
+def delaunay(p: FloatArray, center: FloatArray) -> IntArray:
+    """Return the Delaunay simplices of the points; on a line, the intervals between neighbours.
+
+    About a centre near the points: far from the origin Qhull would lose the digits that matter.
+    """
+    if p.shape[1] == 1:
+        order = np.argsort(p[:, 0])
+        return np.stack((order[:-1], order[1:]), axis=1)
+    try:
+        return np.asarray(Delaunay(p - center).simplices, dtype=np.int64)
+    except QhullError:  # all the points lie on one line, or in one plane
+        return np.empty((0, p.shape[1] + 1), dtype=np.int64)
 
 
 def triangulate(p: FloatArray, region: Region) -> IntArray:
-    """3. Return the Delaunay triangles whose centroids lie inside."""
-    try:
-        # About the box's center: far from the origin Qhull would lose the digits that matter.
-        t: IntArray = Delaunay(p - region.bbox.mean(axis=0)).simplices.astype(np.int64)
-    except QhullError:  # all the points lie on one line
-        t = np.empty((0, 3), dtype=np.int64)
-    centroids = p[t].mean(axis=1)
-    t = t[region.distance(centroids) < -region.geps]
+    """3. Return the Delaunay simplices whose centroids lie inside."""
+    t = delaunay(p, region.bbox.mean(axis=0))
+    t = t[region.distance(p[t].mean(axis=1)) < -region.geps]
     if not len(t):
         raise ValueError(
-            f"fd leaves no triangle of size h0 = {region.h0:g} inside: the region is thinner "
-            "than h0. Take a smaller h0."
+            f"fd leaves no {'triangle' if p.shape[1] == 2 else 'simplex'} of size "
+            f"h0 = {region.h0:g} inside: the region is thinner than h0. Take a smaller h0."
         )
     return t
 
@@ -313,50 +456,42 @@ def incidence(bars: IntArray, nodes: int) -> csr_array:
     return csr_array((ends, bars.ravel(), 2 * np.arange(len(bars) + 1)), (len(bars), nodes))
 
 
-def bar_forces(
-    p: FloatArray, bars: IntArray, D: csr_array, region: Region, Fscale: float
-) -> FloatArray:
-    """6. Return the sum, at each node, of the forces of the bars that are too short."""
-    vectors = D @ p
-    L = np.hypot(vectors[:, 0], vectors[:, 1])
-    h = region.size((p[bars[:, 0]] + p[bars[:, 1]]) / 2)
-    L0 = h * Fscale * np.sqrt((L**2).sum() / (h**2).sum())  # thesis eq. (5.7)
+def bar_forces(D: csr_array, p: FloatArray, h: FloatArray, Fscale: float) -> FloatArray:
+    """6. Return the sum, at each node, of the forces of the bars that are too short for h."""
+    vectors, dim = D @ p, p.shape[1]
+    L = lengths(vectors)
+    L0 = h * Fscale * ((L**dim).sum() / (h**dim).sum()) ** (1 / dim)  # thesis eq. (5.7)
     F = np.maximum(L0 - L, 0)  # thesis eq. (5.6), with k = 1: bars push, they never pull
     return np.asarray(D.T @ (vectors * (F / np.maximum(L, 1e-12 * L0))[:, None]))
 
 
-def project(p: FloatArray, fixed: int, region: Region) -> tuple[FloatArray, IntArray]:
-    """7. Return the points with those outside moved to the boundary, and which are interior.
+def project(p: FloatArray, fixed: int, region: Region) -> tuple[FloatArray, FloatArray]:
+    """7. Return the points with those outside moved to the boundary, and fd before that.
 
     A step of Newton's method along the gradient, d grad d / |grad d|**2: exact for a distance,
     and of first order for any smooth function. Fixed points stay where they are.
     """
     d = region.distance(p)
     outside = fixed + np.flatnonzero(d[fixed:] > 0)
-    q, dq = p[outside], d[outside]
+    p = p.copy()
+    p[outside] -= newton_step(p[outside], d[outside], region)
+    return p, d
+
+
+def newton_step(p: FloatArray, d: FloatArray, region: Region) -> FloatArray:
+    """Return d grad d / |grad d|**2, with the gradient by one-sided differences."""
     # Best for a one-sided difference, of a field that varies over h0 at coordinates of that size.
     deps = np.sqrt(np.finfo(float).eps * region.h0 * max(region.h0, np.abs(region.bbox).max()))
-    shifts = deps * np.eye(2)
-    gradient = np.stack([(region.distance(q + e) - dq) / deps for e in shifts], axis=1)
+    shifts = deps * np.eye(p.shape[1])
+    gradient = np.stack([(region.distance(p + e) - d) / deps for e in shifts], axis=1)
     square = (gradient**2).sum(axis=1)
-    step = np.divide(dq, square, out=np.zeros_like(dq), where=square > 0)
-    p = p.copy()
-    p[outside] = q - step[:, None] * gradient
-    return p, np.flatnonzero(d < -region.geps)
-
-
-def _check_slope(slope: float) -> None:
-    """Refuse an fd that is far from a length: the tolerances compare it with h0."""
-    if not 0.02 < slope < 50:
-        raise ValueError(
-            f"fd must be a distance, or nearly so: near its zeros its gradient should have a "
-            f"length of about 1, and has {slope:.2g}. Divide fd by that."
-        )
+    share = np.divide(d, square, out=np.zeros_like(d), where=square > 0)
+    return np.asarray(share[:, None] * gradient)
 
 
 def _how_far(mesh: Mesh, dptol: float) -> str:
     return (
-        f"distmesh2d stopped at its cap of {mesh.steps} steps: in the last one a node still "
+        f"DistMesh stopped at its cap of {mesh.steps} steps: in the last one a node still "
         f"moved {mesh.history['move'][-1]:.2g} h0, above dptol = {dptol:g}. The best mesh since "
         f"half-time is returned; its least quality is {mesh.quality.min():.2f}, the mean "
         f"{mesh.quality.mean():.3f}. Raise max_steps, or look where the region is thinner than "

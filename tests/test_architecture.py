@@ -25,6 +25,8 @@ MAY_IMPORT = {
     "grid": set(),
     "geometry": {"grid"},
     "mesh": set(),
+    "region": set(),
+    "seeding": {"region"},
     "convection": {"boundaries"},
     "eno": {"boundaries"},
     "examples": {"implicit_functions", "grid"},
@@ -32,9 +34,10 @@ MAY_IMPORT = {
     "reinitialization": {"normal_motion"},
     "redistancing": {"reinitialization"},
     "gradient_limiting": {"normal_motion"},
-    "size_functions": {"gradient_limiting", "implicit_functions"},
-    "distmesh": {"mesh"},
-    "mesh_generation": {"distmesh"},
+    "size_functions": {"gradient_limiting", "redistancing", "geometry", "implicit_functions"},
+    "distmesh": {"mesh", "region"},
+    "mesh_improvement": {"distmesh"},
+    "mesh_generation": {"mesh_improvement", "seeding"},
     "checks": {"mesh", "implicit_functions", "gradient_limiting"},
 }
 # What draws and what interacts stand below all of these.
@@ -42,7 +45,7 @@ MAY_IMPORT |= {"plotting": set(MAY_IMPORT), "interactive": set(MAY_IMPORT)}
 # Beyond Python's own. meshio is imported inside the two methods that need it.
 OTHERS = {module: {"numpy", "scipy"} for module in MAY_IMPORT} | {
     "mesh": {"numpy", "scipy", "meshio"},
-    "plotting": {"numpy", "scipy", "matplotlib"},
+    "plotting": {"numpy", "scipy", "matplotlib", "mpl_toolkits"},
     "interactive": {"numpy", "scipy", "matplotlib", "ipywidgets", "IPython"},
 }
 LAZY = ["matplotlib", "ipywidgets", "meshio", "IPython"]

@@ -10,6 +10,7 @@ import pytest
 from matplotlib.collections import LineCollection, PatchCollection, PolyCollection
 from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.patches import Circle, ConnectionPatch, Ellipse, FancyArrowPatch, Polygon
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from distmesh_edu._artists import read
 from distmesh_edu._words import write
@@ -118,6 +119,14 @@ def in_space(method, z=X[:5], colour="red"):
         getattr(ax, method)(POINTS[:, 0], POINTS[:, 1], z, color=colour)
 
     return draw
+
+
+def faces_in_space(fig, z=X[:5], gid=None, triangles=TRIANGLES, **look):
+    ax = fig.add_subplot(projection="3d")
+    faces = Poly3DCollection(np.column_stack((POINTS, z))[triangles], **look)
+    faces.set_gid(gid)
+    ax.add_collection(faces, autolim=False)
+    ax.set(xlim=(0, 1), ylim=(0, 1), zlim=(0, 1))
 
 
 def ticks(fig, places=(0, 1, 3), names=("a", "b", "c")):
@@ -316,6 +325,12 @@ CASES = {
     "view": (view, [{"elev": 40}, {"top": 2.0}]),
     "line in space": (in_space("plot"), [{"z": changed(X[:5])}, {"colour": "b"}]),
     "points in space": (in_space("scatter"), [{"z": changed(X[:5])}, {"colour": "b"}]),
+    "faces in space": (
+        faces_in_space,
+        [{"z": changed(X[:5])}, {"triangles": TRIANGLES[:3]}, {"facecolors": "r"}]
+        + [{"facecolors": ["r", "r", "b", "b"]}, {"edgecolors": "r"}, {"linewidths": 3}]
+        + [{"array": X[:4]}, {"alpha": 0.5}],
+    ),
     "surface in space": (in_space("plot_trisurf"), [{"z": changed(X[:5])}, {"colour": "b"}]),
 }
 
@@ -426,3 +441,26 @@ def test_an_unsettled_mesh_gives_nothing_but_sizes_and_all_about():
     assert "trend" not in line
     assert [n for n in re.finditer(r"(\S+) \d+\.\d+", line) if n[1] != "≈"] == []
     assert text_of(draw, shift=1.0) != text_of(draw)
+
+
+@pytest.mark.parametrize("colours", [{}, {"array": X[:4]}, {"facecolors": ["r", "r", "b", "b"]}])
+def test_a_mesh_in_space_gives_counts_and_means_and_the_rest_about(colours):
+    def draw(fig, triangles=TRIANGLES):
+        faces_in_space(fig, gid="mesh", triangles=triangles, **colours)
+
+    (line,) = [one for one in text_of(draw).splitlines() if "Poly3DCollection" in one]
+    assert "Poly3DCollection: 4 paths" in line
+    for number in re.finditer(r"(\S+) (\S+) (?:-?\d+\.\d+)", line):
+        assert number[1] == "mean" or number[2] in ("mean", "≈"), number[0]
+    assert "trend" not in line
+    if not colours:
+        assert text_of(draw, triangles=TRIANGLES[::-1]) == text_of(draw)
+
+
+def test_an_unsettled_mesh_in_space_gives_nothing_but_sizes_and_all_about():
+    text = text_of(faces_in_space, gid="unsettled mesh", facecolors=["r", "r", "b", "b"])
+    (line,) = [one for one in text.splitlines() if "Poly3DCollection" in one]
+    assert re.search(r"≈ 4 paths, ≈ \d+ vertices, x rms ≈", line)
+    assert "mean" not in line
+    assert "trend" not in line
+    assert [n for n in re.finditer(r"(\S+) \d+\.\d+", line) if n[1] != "≈"] == []

@@ -17,11 +17,15 @@ def test_the_ten_lines_mesh_the_lake(capsys):
     code = CODE[0]
     assert len(code.splitlines()) <= 10
     names = {}
-    with pytest.warns(de.ConvergenceWarning):
+    with pytest.warns(de.ResolutionWarning, match="unresolved"):
         exec(code, names)
     assert "nodes" in capsys.readouterr().out
-    assert names["mesh"].area == pytest.approx(82_369, rel=0.01)
-    assert names["mesh"].quality.mean() > 0.93
+    mesh = names["mesh"]
+    assert 1000 < len(mesh.p) < 1200
+    assert mesh.area == pytest.approx(82_369, rel=0.01)
+    assert mesh.quality.min() > 0.5
+    assert mesh.quality.mean() > 0.94
+    assert 20 < len(de.unresolved(mesh, names["lake"])) < 60
 
 
 def test_a_star_shrinks_becomes_a_distance_and_is_meshed():
