@@ -134,7 +134,8 @@ def generate_mesh(
     ConvergenceWarning
         If the truss was stopped by `max_steps`.
     ResolutionWarning
-        If the region has features that edges of this size cannot follow; it says where.
+        If the region has features that edges of this size cannot follow, or the least quality is
+        below half the goal; it says where.
 
     Notes
     -----
@@ -166,7 +167,7 @@ def generate_mesh(
     p, t = _finish(p, t, region, goal)
     log.record(p, t)
     mesh = Mesh(p, t, log.why != "cap", log.steps, log.history)
-    _warn(mesh, region, log)
+    _warn(mesh, region, log, goal)
     return mesh
 
 
@@ -393,7 +394,7 @@ def _missed(mesh: Mesh, region: Region, longest: FloatArray) -> tuple[FloatArray
     return p[found], gap / size[found]
 
 
-def _warn(mesh: Mesh, region: Region, log: _Log) -> None:
+def _warn(mesh: Mesh, region: Region, log: _Log, goal: float) -> None:
     """Say what the mesh is not."""
     if log.why == "cap":
         words = (
@@ -401,14 +402,14 @@ def _warn(mesh: Mesh, region: Region, log: _Log) -> None:
             f"{log.move:.2g} of an edge. Raise max_steps."
         )
         warnings.warn(words, ConvergenceWarning, stacklevel=3)
-    where = unresolved(mesh, region.fd)
-    if len(where):
-        worst = int(mesh.quality.argmin())
+    where, worst = unresolved(mesh, region.fd), int(mesh.quality.argmin())
+    if len(where) or mesh.quality[worst] < goal / 2:
+        found = f"{len(where)} places, the worst near {_place(where[0])}" if len(where) else "none"
         words = (
-            f"the region has features too fine for edges of this size: unresolved(mesh, fd) has "
-            f"{len(where)} places, the worst near {_place(where[0])}. The least quality, "
-            f"{mesh.quality[worst]:.2f}, is near {_place(mesh.p[mesh.t[worst]].mean(axis=0))}. "
-            "Take smaller edges there, or smooth the region."
+            "the region has features too fine for edges of this size: unresolved(mesh, fd) has "
+            f"{found}. The least quality, {mesh.quality[worst]:.2f}, is near "
+            f"{_place(mesh.p[mesh.t[worst]].mean(axis=0))}. Take smaller edges there, or smooth "
+            "the region."
         )
         warnings.warn(words, ResolutionWarning, stacklevel=3)
 

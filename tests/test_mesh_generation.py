@@ -403,6 +403,13 @@ def test_a_plate_all_too_thin_is_refused():
         de.generate_mesh(plate, None, 0.4, ((-1, -1, -0.4), (1, 1, 0.4)))
 
 
+def test_a_tube_as_thin_as_its_edges_is_told():
+    """A torus of tetrahedra of which one is flat came without a word."""
+    with pytest.warns(de.ResolutionWarning, match="The least quality, 0.0"):
+        mesh = de.generate_mesh(de.torus(), None, 0.3, ((-1.3,) * 3, (1.3,) * 3))
+    assert mesh.quality.min() < 0.15
+
+
 def test_a_bar_all_too_thin_is_refused():
     with pytest.raises(ValueError, match="thinner than h0"):
         de.generate_mesh(
