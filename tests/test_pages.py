@@ -116,6 +116,9 @@ def test_is_accessible_and_fits(browser, page, theme, width):
             "the page is too wide",
             found(tab, "article *", STICKS_OUT)[:5],
         )
+        tab.wait_for_function("() => !window.MathJax || MathJax.startup.promise.then(() => true)")
+        beyond = "e.getBoundingClientRect().left < 0"
+        assert found(tab, "article mjx-container", beyond) == [], "no one can scroll there"
         tab.wait_for_timeout(300)  # the theme's icons are put in place after the page
         tab.evaluate(AXE.read_text(encoding="utf-8"))
         # Without `preload`, which reads the style sheets once more: file:// does not allow it.
