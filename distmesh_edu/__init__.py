@@ -58,6 +58,7 @@ from .mesh_generation import generate_mesh, unresolved
 from .normal_motion import crossing_times, godunov_norm, move_in_normal_direction
 from .redistancing import redistance
 from .reinitialization import reinitialize, smeared_sign, subcell_distance
+from .segmentation import segment_picture
 from .size_functions import (
     feature_size,
     medial_axis,
@@ -149,6 +150,7 @@ __all__ = [
     "runge_kutta_step",
     "scaling",
     "segment",
+    "segment_picture",
     "size_from_curvature",
     "size_from_data",
     "size_from_distance",

@@ -5,10 +5,12 @@ from __future__ import annotations
 from importlib.resources import files
 
 import numpy as np
+from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
 from ._types import ArrayLike, Field, FloatArray
-from ._validation import as_count, as_numbers, as_positive
+from ._validation import as_count, as_field, as_generator, as_numbers, as_positive, evaluate
+from .grid import Grid
 from .implicit_functions import polygon, segment, union
 
 EARTH_RADIUS = 6371.0088  # km, the mean radius of the international ellipsoid
@@ -18,6 +20,12 @@ _NEWTON_STEPS = 4  # each doubles the number of right digits
 
 #: About where Lake Superior's map is true to scale and has its origin (degrees).
 LAKE_SUPERIOR_CENTER = (-88.0, 47.5)
+
+#: Where the Salish Sea's map is true to scale and has its origin (degrees).
+SALISH_SEA_CENTER = (-124.0, 49.0)
+
+#: How bright land is in full light on a picture, and how bright water.
+LAND, WATER = 0.8, 0.4
 
 
 def lake_superior() -> Field:
@@ -98,6 +106,215 @@ def on_the_map(degrees: FloatArray) -> FloatArray:
     x = np.cos(f0) * (longitude - longitude0)
     y = (np.sin(latitude) - np.sin(f0)) / np.cos(f0)
     return EARTH_RADIUS * np.stack((x, y), axis=1)
+
+
+def photograph(
+    fd: Field,
+    grid: Grid,
+    *,
+    noise: float = 0.07,
+    light: float = 0.45,
+    blur: float = 1.0,
+    rng: int | np.random.Generator = 0,
+) -> FloatArray:
+    """Return a picture of a region as a camera might take it: dark inside, bright outside.
+
+    Parameters
+    ----------
+    fd : Field
+        Negative in the region, such as a lake; only its sign counts.
+    grid : Grid
+        In the plane; a pixel at each node.
+    noise : float, brightness
+        The standard deviation of what the camera adds to each pixel.
+    light : float, dimensionless
+        How uneven the light is: along the diagonal of the picture it runs from 1 - 1.4 light to
+        1 + 1.4 light. From 0, even, to 0.7, dark in one corner.
+    blur : float, pixels
+        The standard deviation of the bell over which the lens smears each point.
+    rng : int or numpy.random.Generator
+        For the noise.
+
+    Returns
+    -------
+    ndarray of shape (nx, ny), brightness
+        In full light land has 0.8 and water 0.4; noise may pass 0 and 1.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `grid` is not one in the plane, `noise`, `light` or `blur` is negative or not finite,
+        or `light` above 0.7.
+
+    Examples
+    --------
+    >>> grid = Grid(((-300, -300), (300, 300)), 100)
+    >>> photograph(lake_superior(), grid, noise=0, light=0, blur=0)[:, 3]
+    array([0.8, 0.4, 0.4, 0.4, 0.4, 0.4, 0.8])
+    """
+    if not isinstance(grid, Grid) or grid.points.ndim != 3:
+        raise TypeError(f"grid must be a Grid in the plane; got {grid!r}.")
+    amounts = {"noise": noise, "light": light, "blur": blur}
+    spread, slope, bell = (_not_negative(name, value) for name, value in amounts.items())
+    if slope > 0.7:
+        raise ValueError(f"light must be at most 0.7, or a corner is darker than dark; got {light}.")
+    shade = np.where(evaluate("fd", as_field("fd", fd), grid.points) > 0, LAND, WATER)
+    across = np.linspace(-1, 1, shade.shape[0])[:, None]
+    along = np.linspace(-1, 1, shade.shape[1])
+    lit = gaussian_filter(shade, bell, mode="nearest") * (1 + slope * (0.8 * across + 0.6 * along))
+    return np.asarray(lit + spread * as_generator(rng).normal(size=lit.shape))
+
+
+def _not_negative(name: str, value: float) -> float:
+    number = as_numbers(name, value)
+    if number.ndim or number < 0:
+        raise ValueError(f"{name} must be one number, 0 or more; got {value!r}.")
+    return float(number)
+
+
+def salish_sea() -> tuple[FloatArray, Grid]:
+    """Return how high the ground lies about the Salish Sea, and the grid of the map.
+
+    Returns
+    -------
+    height : ndarray of shape (120, 91), length in m
+        Above the level of the sea; negative in the sea, and in a few hollows on land.
+    grid : Grid, length in km
+        x goes east, y north, from 124 W, 49 N; 2.4 km from node to node.
+
+    Notes
+    -----
+    From 126 to 122 W and 48 to 50 N: the strait of Juan de Fuca, the strait of Georgia and the
+    islands between. The file is Matplotlib's example ``topobathy.npz``; ``data/README.md`` has
+    its source and licence. The map is Mercator's, on which the data form a square grid, true
+    to scale at 49 N. At the upper and lower edge lengths are off by 2 per cent.
+
+    Examples
+    --------
+    >>> height, grid = salish_sea()
+    >>> height.shape == grid.points.shape[:2], float(height.min())
+    (True, -1437.0)
+    """
+    with files("distmesh_edu").joinpath("data", "salish_sea.npz").open("rb") as file:
+        data = np.load(file)
+        height, longitude, latitude = data["topo"], data["longitude"] - 360, data["latitude"]
+    longitude0, f0 = np.radians(SALISH_SEA_CENTER)
+    scale = EARTH_RADIUS * np.cos(f0)
+    x = scale * (np.radians(longitude[[0, -1]]) - longitude0)
+    y = scale * (np.arctanh(np.sin(np.radians(latitude[[0, -1]]))) - np.arctanh(np.sin(f0)))
+    steps = np.array(height.T.shape) - 1
+    dx = (x[1] - x[0]) / steps[0], (y[1] - y[0]) / steps[1]
+    return height.T.astype(float), Grid(np.transpose((x, y)), dx)
+
+
+def discocyte(diameter: float = 7.82, thinnest: float = 0.81, thickest: float = 2.58) -> Field:
+    """Return an implicit function of a resting red blood cell: a disc with two dimples.
+
+    Parameters
+    ----------
+    diameter : float, length
+        How wide the cell is; the default is in micrometres, as are the others.
+    thinnest : float, length
+        Its thickness in the middle.
+    thickest : float, length
+        Its thickness at the rim; equal to `thinnest`, the cell is an ellipsoid-like lens.
+
+    Returns
+    -------
+    Field, length
+        Not a distance: its gradient is 1 at the equator and diameter / thinnest at the poles. Negative inside. The z-axis is that of symmetry.
+
+    Raises
+    ------
+    ValueError
+        If a length is not positive, or the cell thinner at its rim than in the middle.
+
+    Notes
+    -----
+    With s = 4 (x**2 + y**2) / diameter**2 the surface is (2 z / thinnest)**2 = (1 - s) (1 + k s),
+    thesis eq. (6.1) [LarkinKuchel2010]_, and the cell thickest where s = (k - 1) / (2 k). The
+    default lengths are means of living human cells [EvansFung1972]_.
+
+    Examples
+    --------
+    >>> cell = discocyte()
+    >>> cell(np.array([[3.91, 0, 0], [0, 0, 0.405], [0, 0, 0]])).round(9) + 0.0
+    array([ 0.   ,  0.   , -1.955])
+    """
+    d, b = as_positive("diameter", diameter), as_positive("thinnest", thinnest)
+    h = as_positive("thickest", thickest)
+    if h < b:
+        raise ValueError(
+            f"thickest must be thinnest, {b:g}, or more: a cell has dimples, or none; got {h:g}."
+        )
+    root = np.sqrt(1 - (b / h) ** 2)
+    return _cell(d, (1, b / 2, (1 + root) / (1 - root)), (1, b / 2, (1 + root) / (1 - root)))
+
+
+def stomatocyte(
+    diameter: float = 8.0,
+    a1: float = 0.15,
+    m1: float = 0.88,
+    a2: float = 1.2,
+    m2: float = 0.3,
+) -> Field:
+    """Return an implicit function of a red blood cell in the shape of a bowl.
+
+    Parameters
+    ----------
+    diameter : float, length
+        How wide the cell is; the default is in micrometres, as are `a1` and `a2`.
+    a1, a2 : float, length
+        How far above and below the plane z = 0 the cell reaches on its axis.
+    m1, m2 : float, dimensionless
+        How much higher the cell is beside its axis, between 0 and 1: the upper half has a dimple
+        if m1 > 1/4, the lower if m2 > 1/3.
+
+    Returns
+    -------
+    Field, length
+        Not a distance: its gradient is 1 at the equator and diameter / (2 a1), diameter / (2 a2)
+        at the poles. Negative inside. The z-axis is that of symmetry.
+
+    Raises
+    ------
+    ValueError
+        If a length is not positive, or `m1` or `m2` not between 0 and 1.
+
+    Notes
+    -----
+    With s = 4 (x**2 + y**2) / diameter**2 and k = m / (1 - m), the upper half of the surface is
+    (z / a1)**2 = (1 - s) (1 + k1 s)**3, the lower (z / a2)**2 = (1 - s) (1 + k2 s)**2. These are
+    thesis eqs. (6.2) to (6.4) [LarkinKuchel2010]_, with 2 m1**2 for the misprinted 2 m2 in B.
+    Each is divided by its power of 1 + k s, so that the two halves meet without a jump. The
+    default lengths are the book's choice: they give about the volume and surface of a discocyte.
+
+    Examples
+    --------
+    >>> cell = stomatocyte()
+    >>> cell(np.array([[4, 0, 0], [0, 0, 0.15], [0, 0, -1.2], [0, 0, 0]])).round(9) + 0.0
+    array([ 0.,  0.,  0., -2.])
+    """
+    d = as_positive("diameter", diameter)
+    upper, lower = as_positive("a1", a1), as_positive("a2", a2)
+    rises = {"m1": as_positive("m1", m1), "m2": as_positive("m2", m2)}
+    for name, m in rises.items():
+        if m >= 1:
+            raise ValueError(f"{name} must be less than 1, or the cell never closes; got {m:g}.")
+    k1, k2 = (m / (1 - m) for m in rises.values())
+    return _cell(d, (3, upper, k1), (2, lower, k2))
+
+
+def _cell(d: float, upper: tuple[float, ...], lower: tuple[float, ...]) -> Field:
+    """Return d/4 (z**2 / (a**2 (1 + k s)**power) - (1 - s)) above and below z = 0."""
+
+    def field(p: FloatArray) -> FloatArray:
+        z = p[..., 2]
+        s = 4 * (p[..., 0] ** 2 + p[..., 1] ** 2) / d**2
+        power, a, k = (np.where(z > 0, *pair) for pair in zip(upper, lower, strict=True))
+        return np.asarray(d / 4 * (z**2 / (a**2 * (1 + k * s) ** power) - 1 + s))
+
+    return field
 
 
 def rose(petals: int = 9, radius: float = 1.0) -> Field:

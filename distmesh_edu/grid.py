@@ -98,7 +98,8 @@ class Grid:
         Returns
         -------
         Field
-            Continued beyond the box by the polynomials at its rim: trust it within a cell or two.
+            Continued beyond the box by the polynomials at its rim for two cells, and from there
+            on by the values it has reached: trust it within a cell or two.
 
         Raises
         ------
@@ -132,13 +133,15 @@ class Grid:
             )
         surface = self._tensor_spline(array, degree)
         lower, upper = (np.array(corner) for corner in self.bbox)
-        wraps = np.array(self.periodic)
+        wraps, margin = np.array(self.periodic), 2 * np.array(self.dx)
 
         def field(p: FloatArray) -> FloatArray:
             points = np.asarray(p, dtype=np.float64)
             if wraps.any():
                 points = np.where(wraps, lower + np.mod(points - lower, upper - lower), points)
-            return np.asarray(surface(points, extrapolate=True), dtype=np.float64)
+            # Farther out a cubic grows wild: a mesh generator would find water behind the rim.
+            near = np.clip(points, lower - margin, upper + margin)
+            return np.asarray(surface(near, extrapolate=True), dtype=np.float64)
 
         return field
 

@@ -12,13 +12,14 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ._simplices import facets_and_owners
+from ._simplices import boundary_facets, facets_and_owners
 from ._types import ArrayLike, BoolArray, Field, FloatArray, IntArray
 from ._validation import (
     as_bbox,
     as_count,
     as_field,
     as_generator,
+    as_points,
     as_positive,
 )
 from ._warnings import ConvergenceWarning, ResolutionWarning
@@ -34,7 +35,7 @@ from .distmesh import (
 from .mesh import HISTORY, Mesh, oriented, radius_ratio, unique_edges
 from .mesh_improvement import lift_worst, press_out, smooth, to_boundary
 from .region import Region, as_region
-from .seeding import seeds
+from .seeding import reseeded, seeds
 
 __all__ = ["generate_mesh", "unresolved"]
 
@@ -78,6 +79,7 @@ def generate_mesh(
     bbox: ArrayLike,
     pfix: ArrayLike | None = None,
     *,
+    start: Mesh | ArrayLike | None = None,
     rng: int | np.random.Generator = 0,
     max_steps: int = 1000,
     goal: float | None = None,
@@ -101,6 +103,9 @@ def generate_mesh(
         many dimensions the mesh lives: one, two or three.
     pfix : array_like of shape (k, dim), length, optional
         Nodes that the mesh must have, such as corners. They come first, in this order.
+    start : Mesh or array_like of shape (n, dim), length, optional
+        Nodes to begin with in place of a lattice, such as the mesh of the region as it was a
+        moment ago. Those of them that are crowded go, and gaps are filled.
     rng : int or numpy.random.Generator
         Chooses which lattice points to keep where edges grow. One seed always gives one mesh.
     max_steps : int
@@ -162,6 +167,8 @@ def generate_mesh(
     p = seeds(region, rng)
     if (scaled := region.in_lengths(p)) is not region:
         region, p = scaled, seeds(scaled, rng)
+    if start is not None:
+        p = reseeded(_arrived(start, region), region, rng)
     log = _Log(region, patience, callback)
     p, t = _relax(p, region, as_count("max_steps", max_steps), log)
     p, t = _finish(p, t, region, goal)
@@ -169,6 +176,18 @@ def generate_mesh(
     mesh = Mesh(p, t, log.why != "cap", log.steps, log.history)
     _warn(mesh, region, log, goal)
     return mesh
+
+
+def _arrived(start: Mesh | ArrayLike, region: Region) -> FloatArray:
+    """Return the nodes of an earlier mesh that are in the region or were left just outside it.
+
+    The latter are put on its boundary: those farther off than an edge were in what it lost.
+    """
+    p = as_points("start", start.p if isinstance(start, Mesh) else start, region.bbox.shape[1])
+    p = p[region.distance(p) < region.h0]
+    outside = region.distance(p) > 0
+    p[outside] = to_boundary(p[outside], region)
+    return p[region.distance(p) < region.geps]
 
 
 class _Log:
@@ -261,27 +280,32 @@ def mend_boundary(
     from inside and finds no place there. Without the triangle it is a boundary node. All boundary
     nodes no deeper than `depth` inside are moved to the boundary.
     """
-    facets, owners = facets_and_owners(t)
-    rim, p = np.zeros(len(p), dtype=bool), p.copy()
-    rim[facets] = True
-    if p.shape[1] == 2:
-        pressed, flat = _pressed(p, t, facets, owners, rim)
-        rim[pressed], t = True, np.delete(t, flat, axis=0)
+    p, t = p.copy(), _without_flat(p, t)
+    rim = np.zeros(len(p), dtype=bool)
+    rim[boundary_facets(t)] = True
     rim[: len(region.pfix)] = False
     rim[rim] = -region.distance(p[rim]) < depth[rim]
     p[rim] = to_boundary(p[rim], region)
     return p, t
 
 
-def _pressed(
-    p: FloatArray, t: IntArray, facets: IntArray, owners: IntArray, rim: BoolArray
-) -> tuple[IntArray, IntArray]:
-    """Return the inner nodes pressed against an outer edge, and the numbers of their triangles."""
-    apex = t[owners].sum(axis=1) - facets.sum(axis=1)
-    a, b = (p[facets[:, k]] - p[apex] for k in (0, 1))
-    obtuse = np.einsum("ij,ij->i", a, b) < 0
-    flat = obtuse & ~rim[apex] & (radius_ratio(p, t[owners]) < FLAT)
-    return apex[flat], owners[flat]
+def _without_flat(p: FloatArray, t: IntArray) -> IntArray:
+    """Return the triangles but the flat ones at the boundary whose nodes do not need them.
+
+    Such a one presses an inner node against its outer edge, or, with two outer edges, spans a bay.
+    """
+    flat = np.array([0])
+    # Without it, the one behind it may be another.
+    while p.shape[1] == 2 and len(flat):
+        facets, owners = facets_and_owners(t)
+        apex = t[owners].sum(axis=1) - facets.sum(axis=1)
+        a, b = (p[facets[:, k]] - p[apex] for k in (0, 1))
+        obtuse = np.einsum("ij,ij->i", a, b) < 0
+        inner = ~np.isin(apex, facets)
+        spans = (np.bincount(owners)[owners] == 2) & (np.bincount(t.ravel())[t[owners]] > 1).all(1)
+        flat = owners[obtuse & (inner | spans) & (radius_ratio(p, t[owners]) < FLAT)]
+        t = np.delete(t, flat, axis=0)
+    return t
 
 
 def _finish(p: FloatArray, t: IntArray, region: Region, goal: float) -> tuple[FloatArray, IntArray]:
@@ -299,6 +323,7 @@ def _finish(p: FloatArray, t: IntArray, region: Region, goal: float) -> tuple[Fl
         p, t = mend_boundary(p, _triangulate(p, region), region, depth)
         p = press_out(p, t := oriented(p, t), fixed, region, SHARE * goal)
         p = lift_worst(p, t, fixed, region, goal)
+        p = press_out(p, t := _without_flat(p, t), fixed, region, SHARE * goal)
         least = float(radius_ratio(p, t).min())
         if least > best:
             best, finished = least, (p, t)
@@ -387,9 +412,10 @@ def _missed(mesh: Mesh, region: Region, longest: FloatArray) -> tuple[FloatArray
     start = np.concatenate((mesh.p, middle + height, middle + 2 * height))
     size = np.concatenate((longest, size, size))
     near = np.abs(region.distance(start)) < 1.5 * size
-    p, size = to_boundary(start[near], region), size[near]
-    # Where the distance has a kink, Newton's method may lead elsewhere.
-    found = np.abs(region.distance(p)) < 0.05 * size
+    start, size = start[near], size[near]
+    p = to_boundary(start, region)
+    # Where the distance has a kink, Newton's method may lead elsewhere, or far away.
+    found = (np.abs(region.distance(p)) < 0.05 * size) & (lengths(p - start) < 3 * size)
     gap, _ = cKDTree(np.concatenate((mesh.p[mesh.boundary_nodes], middle))).query(p[found])
     return p[found], gap / size[found]
 

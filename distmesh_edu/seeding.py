@@ -1,13 +1,17 @@
-"""Where the nodes of a mesh start: on a lattice that is coarse where edges are to be long."""
+"""Where the nodes of a mesh start: on a lattice that is coarse where edges are to be long.
+
+Or where those of an earlier mesh ended, with the lattice's in the gaps.
+"""
 
 from itertools import product
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ._types import BoolArray, FloatArray
 from .region import Region
 
-__all__ = ["seeds"]
+__all__ = ["reseeded", "seeds"]
 
 #: Rows that span a lattice whose edges are 1 long on average: intervals, equilateral triangles,
 #: and in space the body-centred cubes, whose tetrahedra are far better than those of cubes.
@@ -16,6 +20,12 @@ LATTICES = {
     2: np.array([[1.0, 0.0], [0.5, np.sqrt(3) / 2]]),
     3: 1.098 * np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 0.5]]),
 }
+
+#: Of two nodes nearer to each other than this share of the edges there, one goes.
+CROWDED = 0.65
+#: A lattice point farther than this share of an edge from every node fills a gap. In a mesh of
+#: equilateral triangles the farthest points, their centres, are 0.58 of an edge away.
+GAP = 0.7
 
 
 def seeds(region: Region, rng: np.random.Generator) -> FloatArray:
@@ -66,6 +76,58 @@ def seeds(region: Region, rng: np.random.Generator) -> FloatArray:
     return np.concatenate((region.pfix, _thinned(leaves, region, rng)))
 
 
+def reseeded(p: FloatArray, region: Region, rng: np.random.Generator) -> FloatArray:
+    """Return the nodes of an earlier mesh made ready for a region, the fixed ones first.
+
+    Where they are crowded some go; where they leave gaps points of the lattice come in.
+
+    Parameters
+    ----------
+    p : ndarray of shape (n, dim), length
+        Nodes in the region or on its boundary.
+    region : Region
+    rng : numpy.random.Generator
+        For the lattice: see `seeds`.
+
+    Returns
+    -------
+    ndarray of shape (m, dim), length
+
+    Raises
+    ------
+    ValueError
+        As `seeds` does.
+
+    Examples
+    --------
+    >>> from distmesh_edu import circle
+    >>> from distmesh_edu.region import as_region
+    >>> disc = as_region(circle(), None, 0.2, ((-1, -1), (1, 1)), None, dim=2)
+    >>> half = np.array([[0.0, 0.2], [0.0, 0.4], [0.0, 0.42]])
+    >>> len(reseeded(half, disc, np.random.default_rng(0)))
+    87
+    """
+    lattice = seeds(region, rng)
+    scale = region.h0 / region.size(lattice).min()
+    p = _uncrowded(np.concatenate((region.pfix, p)), region, scale)
+    gap, _ = cKDTree(p).query(lattice)
+    filling = lattice[gap > GAP * scale * region.size(lattice)]
+    return np.concatenate((p, filling))
+
+
+def _uncrowded(p: FloatArray, region: Region, scale: float) -> FloatArray:
+    """Return the points without those that stand too near to one further up the list."""
+    room = CROWDED * scale * region.size(p)
+    pairs = cKDTree(p).query_pairs(room.max(initial=0), output_type="ndarray")
+    apart = np.linalg.norm(p[pairs[:, 0]] - p[pairs[:, 1]], axis=1)
+    crowded = pairs[(apart < room[pairs].min(axis=1)) & (pairs[:, 1] >= len(region.pfix))]
+    kept = np.ones(len(p), dtype=bool)
+    # In the order of the first, whose own fate is then decided.
+    for i, j in crowded[np.argsort(crowded[:, 0], kind="stable")]:
+        kept[j] &= not kept[i]
+    return np.asarray(p[kept])
+
+
 def _cover(bbox: FloatArray, span: FloatArray) -> FloatArray:
     """Return the lattice points, counted from the lower corner, whose cells meet the box."""
     corners = np.array(list(product(*bbox.T))) - bbox[0]
@@ -86,17 +148,21 @@ def _may_meet(p: FloatArray, span: FloatArray, region: Region) -> BoolArray:
 
     How far is d / |grad d|, which is right for a distance and near enough for smooth functions.
     """
-    centre = p + span.sum(axis=0) / 2
+    middle = p + span.sum(axis=0) / 2
     radius = np.linalg.norm(np.abs(span).sum(axis=0)) / 2
+    # Beyond the box the fields need not exist. The point of it that is nearest to the centre is no
+    # farther from what the cell and the region share.
+    centre = np.clip(middle, *region.bbox)
+    meets = np.linalg.norm(middle - centre, axis=1) <= radius
     d = region.distance(centre)
     rises = [region.distance(centre + e) - d for e in radius / 10 * np.eye(len(span))]
     slope = np.linalg.norm(rises, axis=0) / (radius / 10)
-    return np.asarray(d <= 2 * radius * np.maximum(slope, 1e-3))
+    return np.asarray(meets & (d <= 2 * radius * np.maximum(slope, 1e-3)))
 
 
 def _size_inside(p: FloatArray, region: Region) -> FloatArray:
     """Return fh where the points are inside, and infinity elsewhere, where fh need not exist."""
-    h = np.full(len(p), np.inf)
+    h, p = np.full(len(p), np.inf), np.clip(p, *region.bbox)
     within = region.distance(p) < region.geps
     h[within] = region.size(p[within])
     return h

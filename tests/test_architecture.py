@@ -27,6 +27,7 @@ MAY_IMPORT = {
     "mesh": set(),
     "region": set(),
     "seeding": {"region"},
+    "segmentation": set(),
     "convection": {"boundaries"},
     "eno": {"boundaries"},
     "examples": {"implicit_functions", "grid"},
