@@ -157,7 +157,9 @@ def photograph(
     amounts = {"noise": noise, "light": light, "blur": blur}
     spread, slope, bell = (_not_negative(name, value) for name, value in amounts.items())
     if slope > 0.7:
-        raise ValueError(f"light must be at most 0.7, or a corner is darker than dark; got {light}.")
+        raise ValueError(
+            f"light must be at most 0.7, or a corner is darker than dark; got {light}."
+        )
     shade = np.where(evaluate("fd", as_field("fd", fd), grid.points) > 0, LAND, WATER)
     across = np.linspace(-1, 1, shade.shape[0])[:, None]
     along = np.linspace(-1, 1, shade.shape[1])
@@ -222,7 +224,8 @@ def discocyte(diameter: float = 7.82, thinnest: float = 0.81, thickest: float = 
     Returns
     -------
     Field, length
-        Not a distance: its gradient is 1 at the equator and diameter / thinnest at the poles. Negative inside. The z-axis is that of symmetry.
+        Not a distance: its gradient is 1 at the equator and diameter / thinnest at the poles.
+        Negative inside. The z-axis is that of symmetry.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ._simplices import boundary_facets, facets_and_owners
+from ._simplices import facets_and_owners
 from ._types import ArrayLike, BoolArray, Field, FloatArray, IntArray
 from ._validation import (
     as_bbox,
@@ -33,7 +33,7 @@ from .distmesh import (
     without_orphans,
 )
 from .mesh import HISTORY, Mesh, oriented, radius_ratio, unique_edges
-from .mesh_improvement import lift_worst, press_out, smooth, to_boundary
+from .mesh_improvement import lift_worst, press_out, smooth, to_boundary, without_flat
 from .region import Region, as_region
 from .seeding import reseeded, seeds
 
@@ -280,32 +280,27 @@ def mend_boundary(
     from inside and finds no place there. Without the triangle it is a boundary node. All boundary
     nodes no deeper than `depth` inside are moved to the boundary.
     """
-    p, t = p.copy(), _without_flat(p, t)
-    rim = np.zeros(len(p), dtype=bool)
-    rim[boundary_facets(t)] = True
+    facets, owners = facets_and_owners(t)
+    rim, p = np.zeros(len(p), dtype=bool), p.copy()
+    rim[facets] = True
+    if p.shape[1] == 2:
+        pressed, flat = _pressed(p, t, facets, owners, rim)
+        rim[pressed], t = True, np.delete(t, flat, axis=0)
     rim[: len(region.pfix)] = False
     rim[rim] = -region.distance(p[rim]) < depth[rim]
     p[rim] = to_boundary(p[rim], region)
     return p, t
 
 
-def _without_flat(p: FloatArray, t: IntArray) -> IntArray:
-    """Return the triangles but the flat ones at the boundary whose nodes do not need them.
-
-    Such a one presses an inner node against its outer edge, or, with two outer edges, spans a bay.
-    """
-    flat = np.array([0])
-    # Without it, the one behind it may be another.
-    while p.shape[1] == 2 and len(flat):
-        facets, owners = facets_and_owners(t)
-        apex = t[owners].sum(axis=1) - facets.sum(axis=1)
-        a, b = (p[facets[:, k]] - p[apex] for k in (0, 1))
-        obtuse = np.einsum("ij,ij->i", a, b) < 0
-        inner = ~np.isin(apex, facets)
-        spans = (np.bincount(owners)[owners] == 2) & (np.bincount(t.ravel())[t[owners]] > 1).all(1)
-        flat = owners[obtuse & (inner | spans) & (radius_ratio(p, t[owners]) < FLAT)]
-        t = np.delete(t, flat, axis=0)
-    return t
+def _pressed(
+    p: FloatArray, t: IntArray, facets: IntArray, owners: IntArray, rim: BoolArray
+) -> tuple[IntArray, IntArray]:
+    """Return the inner nodes pressed against an outer edge, and the numbers of their triangles."""
+    apex = t[owners].sum(axis=1) - facets.sum(axis=1)
+    a, b = (p[facets[:, k]] - p[apex] for k in (0, 1))
+    obtuse = np.einsum("ij,ij->i", a, b) < 0
+    flat = obtuse & ~rim[apex] & (radius_ratio(p, t[owners]) < FLAT)
+    return apex[flat], owners[flat]
 
 
 def _finish(p: FloatArray, t: IntArray, region: Region, goal: float) -> tuple[FloatArray, IntArray]:
@@ -320,10 +315,11 @@ def _finish(p: FloatArray, t: IntArray, region: Region, goal: float) -> tuple[Fl
         return without_orphans(*mend_boundary(p, t, region, depth), fixed)
     for _ in range(CHANCES):
         p = smooth(p, oriented(p, t), fixed, region)
-        p, t = mend_boundary(p, _triangulate(p, region), region, depth)
+        t = without_flat(p, _triangulate(p, region), fixed)
+        p, t = mend_boundary(p, t, region, depth)
         p = press_out(p, t := oriented(p, t), fixed, region, SHARE * goal)
         p = lift_worst(p, t, fixed, region, goal)
-        p = press_out(p, t := _without_flat(p, t), fixed, region, SHARE * goal)
+        p = press_out(p, t := without_flat(p, t, fixed), fixed, region, SHARE * goal)
         least = float(radius_ratio(p, t).min())
         if least > best:
             best, finished = least, (p, t)

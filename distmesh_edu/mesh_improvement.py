@@ -14,17 +14,20 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array
 
+from ._simplices import facets_and_owners
 from ._types import BoolArray, FloatArray, IntArray
 from .distmesh import newton_step
 from .mesh import boundary_facets, radius_ratio, simplex_volumes, unique_edges
 from .region import Region
 
-__all__ = ["lift_worst", "press_out", "signed_quality", "smooth", "to_boundary"]
+__all__ = ["lift_worst", "press_out", "signed_quality", "smooth", "to_boundary", "without_flat"]
 
 #: The first move tried, as a share of the shortest edge at a node, and the smallest.
 FIRST_MOVE, LAST_MOVE = 0.2, 0.003
 #: An improvement of a quality that is worth a move.
 WORTH = 1e-6
+#: A triangle worse than this and obtuse is flat.
+FLAT = 0.45
 
 
 def signed_quality(p: FloatArray, t: IntArray) -> FloatArray:
@@ -140,6 +143,55 @@ def press_out(p: FloatArray, t: IntArray, fixed: int, region: Region, least: flo
         back = t[harmed]
         moved[back] = p[back]
     return moved
+
+
+def without_flat(p: FloatArray, t: IntArray, fixed: int) -> IntArray:
+    """Return the triangles but the flat ones at the boundary, which no node of it needs.
+
+    They press an inner node against their outer edge, span a bay between two outer edges, or are
+    a bump whose tip no other triangle uses. Without one, the next behind it may be another.
+    Tetrahedra and intervals all stay.
+
+    Parameters
+    ----------
+    p : ndarray of shape (n, dim), length
+    t : ndarray of int, of shape (m, dim + 1)
+    fixed : int
+        How many nodes, the first ones, may not lose their last triangle.
+
+    Returns
+    -------
+    ndarray of int, of shape (k, dim + 1)
+
+    Examples
+    --------
+    >>> p = np.array([[0.0, 0], [4, 0], [2, 3], [2, -0.1]])
+    >>> without_flat(p, np.array([[0, 1, 2], [0, 3, 1]]), fixed=0)
+    array([[0, 1, 2]])
+    """
+    while p.shape[1] == 2 and (flat := _needless(p, t, fixed)).any():
+        t = t[~flat]
+    return t
+
+
+def _needless(p: FloatArray, t: IntArray, fixed: int) -> BoolArray:
+    """Return which triangles are flat, and obtuse at a node that needs them as little as the rest.
+
+    At an inner node, or, where there are two outer edges, at any: but a node that no other
+    triangle uses must be the obtuse one, and not fixed.
+    """
+    facets, owners = facets_and_owners(t)
+    outer = np.bincount(owners, minlength=len(t))[:, None]
+    alone = (np.bincount(t.ravel()) == 1)[t]
+    goes = np.where(alone, t >= fixed, ~alone.any(axis=1, keepdims=True)) & (outer == 2)
+    goes |= ~np.isin(t, facets) & (outer == 1)
+    return np.asarray((goes & _obtuse(p[t])).any(axis=1) & (radius_ratio(p, t) < FLAT))
+
+
+def _obtuse(corners: FloatArray) -> BoolArray:
+    """Return at which corners triangles, of shape (m, 3, 2), have an obtuse angle."""
+    ahead = np.roll(corners, -1, axis=1) - corners
+    return np.asarray(np.einsum("mij,mij->mi", ahead, np.roll(ahead, 1, axis=1)) > 0)
 
 
 def lift_worst(

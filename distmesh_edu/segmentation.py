@@ -91,7 +91,7 @@ def segment_picture(
         phi = _parted(phi, dt / width**2)
     if callback is not None:
         callback(phi.copy())
-    return phi
+    return np.asarray(phi)
 
 
 def _light(f: FloatArray, shade: FloatArray) -> FloatArray:
