@@ -160,7 +160,7 @@ def generate_mesh(
     dim = as_bbox(bbox).shape[1]
     if dim not in GOAL:
         raise ValueError(f"bbox must be two corners in one, two or three dimensions; got {dim}.")
-    region = as_region(fd, fh, h0, bbox, pfix, dim, TOLERANCE[dim])
+    region = as_region(fd, fh, h0, bbox, pfix, dim, TOLERANCE[dim], fills=fh is None)
     goal = GOAL[dim] if goal is None else as_positive("goal", goal)
     patience = PATIENCE[dim] if patience is None else as_count("patience", patience)
     rng = as_generator(rng)

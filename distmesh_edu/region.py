@@ -110,8 +110,13 @@ def as_region(
     pfix: ArrayLike | None,
     dim: int,
     tolerance: float = 1e-3,
+    *,
+    fills: bool = True,
 ) -> Region:
-    """Return what is to be meshed, or say which argument makes no sense."""
+    """Return what is to be meshed, or say which argument makes no sense.
+
+    `fills` says whether the mesh starts from a lattice of side h0 in all of the box.
+    """
     region = Region(
         as_field("fd", fd),
         None if fh is None else as_field("fh", fh),
@@ -120,13 +125,13 @@ def as_region(
         np.empty((0, dim)) if pfix is None else as_points("pfix", pfix, dim),
         tolerance,
     )
-    _check_size(region)
+    _check_size(region, fills)
     _check_box(region)
     _check_fixed_points(region)
     return region
 
 
-def _check_size(region: Region) -> None:
+def _check_size(region: Region, fills: bool) -> None:
     """Refuse a box smaller than h0, and an h0 so small that no memory would hold the lattice."""
     sides = region.bbox[1] - region.bbox[0]
     if region.h0 > sides.min():
@@ -135,7 +140,7 @@ def _check_size(region: Region) -> None:
             f"{' by '.join(f'{side:g}' for side in sides)}."
         )
     points = (sides / region.h0).prod()
-    if points > LATTICE_LIMIT:
+    if fills and points > LATTICE_LIMIT:
         raise ValueError(
             f"h0 = {region.h0:g} would fill the box with {points:.1e} points, more than "
             f"{LATTICE_LIMIT:.0e}. Take a larger h0, or a box closer to the region."

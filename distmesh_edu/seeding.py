@@ -21,11 +21,16 @@ LATTICES = {
     3: 1.098 * np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 0.5]]),
 }
 
-#: Of two nodes nearer to each other than this share of the edges there, one goes.
-CROWDED = 0.65
-#: A lattice point farther than this share of an edge from every node fills a gap. In a mesh of
-#: equilateral triangles the farthest points, their centres, are 0.58 of an edge away.
-GAP = 0.7
+#: Of two nodes nearer to each other than this share of the edges there, one goes; of two nearer
+#: than the second, one goes while there are more nodes than the lattice has.
+CROWDED, NEAR = 0.65, 0.9
+#: A lattice point farther than this share of an edge from every node comes in; one farther than
+#: the second while there are fewer. In a mesh of equilateral triangles the farthest points, their
+#: centres, are 0.58 of an edge away.
+GAP, ROOM = 0.7, 0.5
+
+#: Points of one level of the lattice: no mesh of so many nodes would ever be done.
+POINTS_LIMIT = 1e7
 
 
 def seeds(region: Region, rng: np.random.Generator) -> FloatArray:
@@ -48,7 +53,7 @@ def seeds(region: Region, rng: np.random.Generator) -> FloatArray:
     Raises
     ------
     ValueError
-        If fewer nodes are left than one simplex needs.
+        If fewer nodes are left than one simplex needs, or there would be far too many.
 
     Examples
     --------
@@ -69,6 +74,7 @@ def seeds(region: Region, rng: np.random.Generator) -> FloatArray:
         h = np.minimum(_size_inside(p, region), _size_inside(p + span.sum(axis=0) / 2, region))
         smallest = min(smallest, h.min(initial=np.inf))
         refine = np.isinf(h) | (h < 2**level * smallest)
+        _check_count(refine.sum() * len(halves), region)
         leaves.append((p[~refine], level))
         p = (p[refine, None] + halves @ span).reshape(-1, dim)
         span, level = span / 2, level - 1
@@ -79,7 +85,8 @@ def seeds(region: Region, rng: np.random.Generator) -> FloatArray:
 def reseeded(p: FloatArray, region: Region, rng: np.random.Generator) -> FloatArray:
     """Return the nodes of an earlier mesh made ready for a region, the fixed ones first.
 
-    Where they are crowded some go; where they leave gaps points of the lattice come in.
+    Where they are crowded some go; where they leave gaps points of the lattice come in. How many
+    there are in all stays near what the lattice has, or the density would drift from step to step.
 
     Parameters
     ----------
@@ -105,27 +112,40 @@ def reseeded(p: FloatArray, region: Region, rng: np.random.Generator) -> FloatAr
     >>> disc = as_region(circle(), None, 0.2, ((-1, -1), (1, 1)), None, dim=2)
     >>> half = np.array([[0.0, 0.2], [0.0, 0.4], [0.0, 0.42]])
     >>> len(reseeded(half, disc, np.random.default_rng(0)))
-    87
+    88
     """
     lattice = seeds(region, rng)
     scale = region.h0 / region.size(lattice).min()
-    p = _uncrowded(np.concatenate((region.pfix, p)), region, scale)
+    p = np.concatenate((region.pfix, p))
+    p = _uncrowded(p, scale * region.size(p), len(region.pfix), len(p) - len(lattice))
     gap, _ = cKDTree(p).query(lattice)
-    filling = lattice[gap > GAP * scale * region.size(lattice)]
-    return np.concatenate((p, filling))
+    gap /= scale * region.size(lattice)
+    lack = min(len(lattice) - len(p), (gap > ROOM).sum())
+    filling = np.argsort(-gap, kind="stable")[: max(lack, (gap > GAP).sum())]
+    return np.concatenate((p, lattice[filling]))
 
 
-def _uncrowded(p: FloatArray, region: Region, scale: float) -> FloatArray:
-    """Return the points without those that stand too near to one further up the list."""
-    room = CROWDED * scale * region.size(p)
-    pairs = cKDTree(p).query_pairs(room.max(initial=0), output_type="ndarray")
-    apart = np.linalg.norm(p[pairs[:, 0]] - p[pairs[:, 1]], axis=1)
-    crowded = pairs[(apart < room[pairs].min(axis=1)) & (pairs[:, 1] >= len(region.pfix))]
+def _uncrowded(p: FloatArray, edge: FloatArray, fixed: int, surplus: int) -> FloatArray:
+    """Return the points without the later one of each crowded pair, the closest pairs first."""
+    pairs = cKDTree(p).query_pairs(NEAR * edge.max(initial=0), output_type="ndarray")
+    apart = np.linalg.norm(p[pairs[:, 0]] - p[pairs[:, 1]], axis=1) / edge[pairs].min(axis=1)
     kept = np.ones(len(p), dtype=bool)
-    # In the order of the first, whose own fate is then decided.
-    for i, j in crowded[np.argsort(crowded[:, 0], kind="stable")]:
-        kept[j] &= not kept[i]
+    for k in np.argsort(apart, kind="stable"):
+        if apart[k] > (NEAR if surplus > 0 else CROWDED):
+            break
+        i, j = pairs[k]
+        if kept[i] and kept[j] and j >= fixed:
+            kept[j], surplus = False, surplus - 1
     return np.asarray(p[kept])
+
+
+def _check_count(points: int, region: Region) -> None:
+    """Refuse an h0 so small that no memory would hold the lattice."""
+    if points > POINTS_LIMIT:
+        raise ValueError(
+            f"h0 = {region.h0:g} and fh ask for a lattice of more than {POINTS_LIMIT:.0e} points. "
+            "Take a larger h0, or an fh that grows faster away from its least value."
+        )
 
 
 def _cover(bbox: FloatArray, span: FloatArray) -> FloatArray:

@@ -6,6 +6,7 @@ from regions import ball, cube
 from scipy.spatial import Delaunay, cKDTree
 
 import distmesh_edu as de
+from distmesh_edu import seeding
 from distmesh_edu.region import as_region
 from distmesh_edu.seeding import LATTICES, seeds
 
@@ -146,3 +147,13 @@ def test_a_size_function_that_leaves_no_simplex_is_refused():
     fh = lambda p: 1e-3 + np.linalg.norm(p, axis=-1)  # noqa: E731
     with pytest.raises(ValueError, match=r"fh keeps \d of \d+ points"):
         started(de.circle(), fh, 0.4, cube(2))
+
+
+def test_sizes_may_shrink_to_a_point_that_the_boxs_lattice_would_never_fit(monkeypatch):
+    h0, bbox = 2e-5, cube(2)  # a lattice of side h0 would have 1e10 points
+    fh = lambda p: np.maximum(np.linalg.norm(p, axis=-1), 1e-4) ** 0.8  # noqa: E731
+    region = as_region(ball(2), fh, h0, bbox, None, 2, fills=False)
+    assert len(seeds(region, np.random.default_rng(0))) < 30_000
+    monkeypatch.setattr(seeding, "POINTS_LIMIT", 1e4)
+    with pytest.raises(ValueError, match="h0 = 2e-05 and fh ask for a lattice of more than 1e"):
+        seeds(region, np.random.default_rng(0))
