@@ -180,7 +180,8 @@ def salish_sea() -> tuple[FloatArray, Grid]:
     Returns
     -------
     height : ndarray of shape (120, 91), length in m
-        Above the level of the sea; negative in the sea, and in a few hollows on land.
+        Above the level of the sea; negative in the sea, and in a few hollows on land. -1 m, along
+        all shores and in all fjords, means water whose depth is unknown: 39 per cent of the sea.
     grid : Grid, length in km
         x goes east, y north, from 124 W, 49 N; 2.4 km from node to node.
 

@@ -181,7 +181,7 @@ def generate_mesh(
 def _arrived(start: Mesh | ArrayLike, region: Region) -> FloatArray:
     """Return the nodes of an earlier mesh that are in the region or were left just outside it.
 
-    The latter are put on its boundary: those farther off than an edge were in what it lost.
+    The latter are put on its boundary: those farther off than h0 were in what it lost.
     """
     p = as_points("start", start.p if isinstance(start, Mesh) else start, region.bbox.shape[1])
     p = p[region.distance(p) < region.h0]
@@ -259,15 +259,17 @@ def _faster(velocity: FloatArray, push: FloatArray, edge: FloatArray) -> FloatAr
 def _triangulate(p: FloatArray, region: Region) -> IntArray:
     """Return the Delaunay simplices that lie inside.
 
-    In space `tolerance` keeps flat tetrahedra out, and along a hollow wall some good ones too,
-    whose centroids are not deep: those stay.
+    In space `tolerance`, in edges there, keeps flat tetrahedra out, and along a hollow wall some
+    good ones too, whose centroids are not deep: those stay.
     """
     if p.shape[1] < 3:
         return triangulate(p, region)
     t = delaunay(p, region.bbox.mean(axis=0))
-    d = region.distance(p[t].mean(axis=1))
-    shallow = (d < -1e-3 * region.h0) & (radius_ratio(p, t) > GOOD)
-    kept = t[(d < -region.geps) | shallow]
+    middle = p[t].mean(axis=1)
+    d = region.distance(middle)
+    within = d < -1e-3 * region.h0
+    t, d, h = t[within], d[within], region.size(middle[within])
+    kept = t[(d < -region.geps * h / h.min(initial=np.inf)) | (radius_ratio(p, t) > GOOD)]
     return kept if len(kept) else triangulate(p, region)  # which says what is wrong
 
 

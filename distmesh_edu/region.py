@@ -55,9 +55,11 @@ class Region:
     def inside(self, p: Points) -> NDArray[np.bool_]:
         """Return which points lie inside, or nearly so, and not on a fixed point.
 
-        Refuse a region with fewer than one simplex needs, and a field that is no length.
+        Those far beyond the box never do: an interpolated distance may mean nothing there. Refuse
+        a region with fewer than one simplex needs, and a field that is no length.
         """
-        within = self.distance(p) < self.geps
+        beyond = np.maximum(self.bbox[0] - p, p - self.bbox[1]).max(axis=1) > self.h0 / 2
+        within = (self.distance(p) < self.geps) & ~beyond
         kept = within
         if len(self.pfix):
             gap, _ = cKDTree(self.pfix).query(p)
@@ -69,7 +71,7 @@ class Region:
                 "check bbox, or pass complement(fd) if fd is positive inside."
             )
         _check_slope(self.slope(p[within]))
-        return kept
+        return np.asarray(kept)
 
     def slope(self, p: Points) -> float:
         """Return about how long the gradient of fd is near its zeros: 1 for a distance."""

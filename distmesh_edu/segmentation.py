@@ -14,6 +14,12 @@ from ._validation import as_count, as_positive, as_values
 
 __all__ = ["segment_picture"]
 
+#: From a phase field, the light and the length of a step to both a step later.
+Step = Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray]]
+
+#: Steps, of length 1, from each of two starts until the better one is chosen.
+TRIAL = 5
+
 
 def segment_picture(
     picture: ArrayLike,
@@ -52,9 +58,9 @@ def segment_picture(
     Raises
     ------
     TypeError, ValueError
-        If the picture holds other than finite numbers, is one shade throughout, or falls
-        into one phase; if `steps` is not a whole number of 1 at least, or another number not
-        positive.
+        If the picture holds other than finite numbers, has fewer than three pixels along an axis,
+        is one shade throughout, falls into one phase, or its light is nowhere in a corner; if
+        `steps` is not a whole number of 1 at least, or another number not positive.
 
     Notes
     -----
@@ -75,23 +81,62 @@ def segment_picture(
     >>> int((segment_picture(f) < 0).sum())
     400
     """
-    f = as_values("picture", picture)
+    f = as_values("picture", picture, least=3)
     steps, lam = as_count("steps", steps), as_positive("fidelity", fidelity)
     width, dt = as_positive("width", width), as_positive("dt", dt)
-    if np.ptp(f) < 1e-9 * np.abs(f).max():
-        raise ValueError(f"picture must have two shades; it is {f.flat[0]:g} throughout.")
-    light = _light(f, np.ones_like(f))
-    phi = np.clip((f - light) / (f - light).std(), -1, 1)
-    for _ in range(steps):
-        if callback is not None:
-            callback(phi.copy())
+
+    def step(phi: FloatArray, light: FloatArray, dt: float) -> tuple[FloatArray, FloatArray]:
         dark, bright, light = _expected(f, phi, light)
         phi = _spread(phi, dt)
         phi = _drawn(phi, (f - dark) ** 2, (f - bright) ** 2, lam * dt, bright - dark)
-        phi = _parted(phi, dt / width**2)
+        return _parted(phi, dt / width**2), light
+
+    if abs(f.mean()) < 0.1 * f.std():
+        raise ValueError(
+            f"picture must be brightness, 0 where it is black: its mean is {f.mean():.2g}, and its "
+            f"standard deviation {f.std():.2g}. Do not take the mean off."
+        )
+    phi, light = _start(f, step)
+    for _ in range(steps):
+        if callback is not None:
+            callback(phi.copy())
+        phi, light = step(phi, light, dt)
     if callback is not None:
         callback(phi.copy())
     return np.asarray(phi)
+
+
+def _start(f: FloatArray, step: Step) -> tuple[FloatArray, FloatArray]:
+    """Return a first phase field and light: bright is what is brighter than a plane, or the mean.
+
+    Of a lake, uneven light leaves the plane alone right; a coast from rim to rim looks like a
+    slope of the light, and leaves the mean. A few steps from either tell which explains more.
+    """
+    starts, misfits, refused = [], [], None
+    for light in (_light(f, np.ones_like(f)), np.full_like(f, f.mean())):
+        spread = (f - light).std()
+        if spread <= 1e-9 * np.abs(f).max():
+            raise ValueError(
+                f"picture must have two shades; it is {f.flat[0]:g} throughout, or nothing but a "
+                "slope of the light."
+            )
+        starts.append((np.clip((f - light) / spread, -1, 1), light))
+        try:
+            misfits.append(_misfit(f, *starts[-1], step))
+        except ValueError as error:
+            misfits.append(np.inf)
+            refused = error
+    if refused is not None and np.isinf(misfits).all():
+        raise refused
+    return starts[int(np.argmin(misfits))]
+
+
+def _misfit(f: FloatArray, phi: FloatArray, light: FloatArray, step: Step) -> float:
+    """Return how far from the picture is what is expected, squared, after a few steps."""
+    for _ in range(TRIAL):
+        phi, light = step(phi, light, 1.0)
+    dark, bright, _ = _expected(f, phi, light)
+    return float(((f - dark - (1 + phi) / 2 * (bright - dark)) ** 2).mean())
 
 
 def _light(f: FloatArray, shade: FloatArray) -> FloatArray:
@@ -116,6 +161,12 @@ def _expected(
         )
     c0, c1 = (float((weight * f / light).sum() / weight.sum()) for weight in weights)
     light = _light(f, c0 + (c1 - c0) * share)
+    if light.min() <= 0 <= light.max():
+        raise ValueError(
+            "picture must be brightness in a light that is nowhere dark: the plane of light fitted "
+            f"to it runs from {light.min():.2g} to {light.max():.2g}. Leave its mean in, or cut "
+            "the dark corner off."
+        )
     return c0 * light, c1 * light, light
 
 

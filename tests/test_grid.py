@@ -94,3 +94,69 @@ def test_a_periodic_axis_stores_its_end_once_and_wraps():
 def test_bad_input_is_named(make, error, words):
     with pytest.raises(error, match=words):
         make()
+
+
+# Beyond the box.
+
+
+def boxed(dim):
+    """Return a grid whose spacing differs from axis to axis."""
+    return de.Grid((np.arange(dim) - 1.0, np.arange(dim) + 1.0), np.array([0.25, 0.2, 0.4])[:dim])
+
+
+def beyond(grid, cells, count=400):
+    """Return random points up to so many cells beyond the box."""
+    lower, upper = np.array(grid.bbox)
+    margin = cells * np.array(grid.dx)
+    return np.random.default_rng(7).uniform(lower - margin, upper + margin, (count, grid.dim))
+
+
+@pytest.mark.parametrize("degree", [1, 3])
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_polynomials_go_on_for_two_cells(dim, degree):
+    """In each coordinate of the spline's degree: it is its own interpolant, and continuation."""
+    grid = boxed(dim)
+    weights = np.random.default_rng(8).normal(size=(dim, degree + 1))
+
+    def polynomial(p):
+        return np.prod([np.polyval(weights[k], p[..., k]) for k in range(dim)], axis=0)
+
+    field, p = grid.interpolate(polynomial(grid.points), degree=degree), beyond(grid, 2)
+    np.testing.assert_allclose(field(p), polynomial(p), atol=1e-9)
+    lower, upper = np.array(grid.bbox)
+    assert ((p < lower).any(axis=0) & (p > upper).any(axis=0)).all()
+
+
+@pytest.mark.parametrize("degree", [1, 3])
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_farther_out_the_values_stay_what_they_were(dim, degree):
+    """A cubic grew wild there, and a mesh generator found water behind the rim."""
+    grid = boxed(dim)
+    values = np.random.default_rng(9).normal(size=grid.shape)
+    field, p = grid.interpolate(values, degree=degree), beyond(grid, 50)
+    margin = 2 * np.array(grid.dx)
+    lower, upper = np.array(grid.bbox) + (-margin, margin)
+    near = np.clip(p, lower, upper)
+    assert (np.abs(p - near).max(axis=0) > 40 * np.array(grid.dx)).all()
+    np.testing.assert_array_equal(field(p), field(near))
+    np.testing.assert_array_equal(field(1e300 * np.sign(p)), field(np.where(p < 0, lower, upper)))
+    within = np.linspace(lower, upper, 41)
+    rim = np.stack(np.meshgrid(*within.T, indexing="ij"), axis=-1)
+    assert np.abs(field(p)).max() <= 1.5 * np.abs(field(rim)).max()
+
+
+def test_a_distance_far_from_its_grid_is_positive_still():
+    grid = de.Grid(((-2, -2), (2, 2)), 0.1)
+    field = grid.interpolate(de.circle()(grid.points))
+    p = beyond(grid, 1000, 5000)
+    p = p[np.abs(p).max(axis=1) > 2]
+    assert field(p).min() > 0.9
+    assert field(p).max() < np.hypot(2.2, 2.2)
+
+
+def test_a_periodic_axis_has_no_beyond():
+    grid = de.Grid(((0, 0), (2 * np.pi, 1)), (2 * np.pi / 32, 0.25), periodic=(True, False))
+    x, y = np.moveaxis(grid.points, -1, 0)
+    field, (u, v) = grid.interpolate(np.sin(x) * (1 + y)), beyond(grid, 40).T
+    expected = np.sin(u) * (1 + np.clip(v, -0.5, 1.5))
+    np.testing.assert_allclose(field(np.stack((u, v), axis=1)), expected, atol=2e-5)

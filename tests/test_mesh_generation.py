@@ -13,6 +13,7 @@ from regions import bad_input, ball, cube, euler_characteristic, good_input, top
 import distmesh_edu as de
 from benchmarks import mesh_cases
 from distmesh_edu.mesh_generation import _triangulate, mend_boundary
+from distmesh_edu.mesh_improvement import without_flat
 from distmesh_edu.region import as_region
 
 SQUARE = ((-1, -1), (1, 1))
@@ -475,6 +476,126 @@ def test_boundary_nodes_are_moved_to_the_boundary_unless_fixed_or_deep():
     np.testing.assert_allclose(q, [(0, 0.1), (1, 0), (1, 0.7), (0, 1)], atol=1e-9)
 
 
+# Flat triangles at the boundary.
+
+#: A square of which a side is pressed upon by one inner node, and the triangle behind by another.
+BEHIND = (
+    np.array([(0, 0), (4, 0), (4, 4), (0, 4), (2, 0.4), (1, 0.45)], dtype=float),
+    np.array([(0, 1, 4), (0, 4, 5), (1, 2, 4), (4, 2, 5), (2, 3, 5), (3, 0, 5)]),
+)
+#: Two shores, and between them an ear, whose long edges are both outer ones.
+BAY = (
+    np.array([(0, 0), (1, 0.15), (0.5, -1), (2, 0), (2.5, -1), (3, 0)], dtype=float),
+    np.array([(0, 2, 1), (3, 4, 5), (0, 1, 3)]),
+)
+
+
+def test_a_flat_triangle_behind_another_is_dropped_too():
+    p, t = BEHIND
+    np.testing.assert_array_equal(without_flat(p, t, 0), t[2:])
+    assert set(t[2:].ravel()) == set(range(6))
+    p = p.copy()
+    p[5] = 1.6, 2  # the one behind is not flat
+    np.testing.assert_array_equal(without_flat(p, t, 0), t[1:])
+
+
+def test_a_flat_ear_across_a_bay_is_dropped():
+    p, t = BAY
+    np.testing.assert_array_equal(without_flat(p, t, 0), t[:2])
+    p = p.copy()
+    p[1] = 1, 1.2  # neither flat nor obtuse
+    np.testing.assert_array_equal(without_flat(p, t, 0), t)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 3), (1, 3, 0), (3, 0, 1), (3, 1, 0)])
+def test_which_corner_of_it_comes_first_does_not_matter(order):
+    p, t = BAY
+    np.testing.assert_array_equal(without_flat(p, np.array([*t[:2], order]), 0), t[:2])
+
+
+def test_the_tip_of_a_sharp_corner_stays():
+    """The same ear without the other shore: its far node has no other triangle."""
+    p, t = BAY
+    np.testing.assert_array_equal(without_flat(p, t[[0, 2]], 0), t[[0, 2]])
+    tip = np.array([(0, 0), (1, -0.05), (1, 0.05), (2, -0.1), (2, 0.1)])
+    wedge = np.array([(0, 1, 2), (1, 3, 2), (3, 4, 2)])
+    assert de.Mesh(tip, wedge).quality[0] < 0.2
+    np.testing.assert_array_equal(without_flat(tip, wedge, 0), wedge)
+
+
+def test_a_flat_bump_is_dropped_unless_its_tip_is_fixed():
+    """A node on a wall, a little outside, of which a Delaunay triangulation makes a triangle."""
+    p = np.array([(2, -0.1), (0, 0), (4, 0), (2, 3)])
+    t = np.array([(1, 0, 2), (1, 2, 3)])
+    np.testing.assert_array_equal(without_flat(p, t, 0), t[1:])
+    np.testing.assert_array_equal(without_flat(p, t, 1), t)
+
+
+def test_a_flat_triangle_inside_stays():
+    """Nobody sees it from outside: to drop it would make a hole."""
+    p = np.array([(0, 0), (1, 0), (0.5, 0.1), (0.5, -0.8), (-0.2, 1), (1.2, 1)])
+    t = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 4), (2, 1, 5), (2, 5, 4)])
+    assert de.Mesh(p, t).quality[0] < 0.3
+    np.testing.assert_array_equal(without_flat(p, t, 0), t)
+
+
+def test_on_a_line_and_in_space_all_stay():
+    pressed = np.array([(0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3), (1, 1, 0.02)])
+    t = np.array([(0, 1, 2, 4), (0, 1, 4, 3), (1, 2, 4, 3), (2, 0, 4, 3)])
+    assert de.Mesh(pressed, t).quality[0] < 0.1
+    np.testing.assert_array_equal(without_flat(pressed, t, 0), t)
+    line = np.array([(0.0,), (1e-6,), (1.0,)])
+    np.testing.assert_array_equal(without_flat(line, t[:2, :2], 0), t[:2, :2])
+
+
+# Where the fields are asked, and places are named.
+
+
+@pytest.mark.parametrize("grading", [None, 0.25])
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_fields_are_not_asked_far_beyond_the_box(dim, grading):
+    """Sizes never beyond it; the distance within two of the longest edges, or lattice cells."""
+    h0, asked = H0[dim] / (1 if grading is None else 2), {"fd": [], "fh": []}
+
+    def recorded(name, field):
+        return lambda p: (asked[name].append(p.reshape(-1, dim).copy()), field(p))[1]
+
+    sizes = recorded("fh", lambda p: h0 + (grading or 0) * np.linalg.norm(p, axis=-1))
+    mesh = de.generate_mesh(recorded("fd", ball(dim)), sizes, h0, cube(dim))
+    beyond = {name: np.abs(np.concatenate(p)).max() - 1 for name, p in asked.items()}
+    assert beyond["fh"] < 1e-6 * h0
+    assert 0 < beyond["fd"] < max(2.1 * mesh.edge_lengths.max(), 3.3 * h0)
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_sizes_need_not_exist_beyond_the_box(dim):
+    inside = lambda p: (np.abs(p) < 1 + 1e-9).all(axis=-1)  # noqa: E731
+    h0 = H0[dim] / 2
+    sizes = lambda p: np.where(inside(p), h0 + 0.25 * np.linalg.norm(p, axis=-1), np.nan)  # noqa: E731
+    check(de.generate_mesh(ball(dim), sizes, h0, cube(dim)))
+
+
+def rings(p):
+    """Return a field that is negative in a ball and in shells about it: flat amid the gaps."""
+    return -2 / np.pi * np.cos(np.pi / 2 * np.linalg.norm(p, axis=-1))
+
+
+@pytest.mark.parametrize("cells", [2, 4, 8])
+def test_no_place_is_named_far_from_an_interval(cells):
+    """From where the field is flat, Newton's method led 60,000 kilometres away."""
+    nodes = np.linspace(-1, 1, cells + 1)[:, None]
+    mesh = de.Mesh(nodes, np.stack((np.arange(cells), np.arange(cells) + 1), axis=1))
+    places = de.unresolved(mesh, rings)
+    assert np.abs(places).max(initial=0) <= 1 + 5 * 2 / cells
+    assert (len(places) > 0) == (cells == 2)  # as near as the next shell is then
+
+
+def test_no_place_is_named_far_from_a_disc():
+    mesh = de.generate_mesh(de.circle(), None, 0.5, SQUARE)
+    places = de.unresolved(mesh, rings)
+    assert np.linalg.norm(places, axis=1).max(initial=0) <= 1 + 5 * mesh.edge_lengths.max()
+
+
 # The aims of the benchmarks that are no timings.
 
 
@@ -522,3 +643,13 @@ def test_lake_superior_is_meshed_well_and_its_narrows_are_named():
     for island in small:
         assert near(places, island.mean(axis=0), 8)
     assert near(places, (-46, -34), 8)  # the canal across the Keweenaw Peninsula
+
+
+def test_graded_edges_leave_no_flat_tetrahedra_at_the_surface():
+    """How deep a centroid must lie is judged by the edges there, not by the smallest."""
+    cell, box = de.examples.discocyte(7.82, 0.4, 2.58), ((-4.5, -4.5, -1.8), (4.5, 4.5, 1.8))
+    grid = de.Grid(box, 0.15)
+    fd = grid.interpolate(de.redistance(cell(grid.points), grid.dx))
+    fh = lambda p: np.minimum(0.2 + 0.2 * np.hypot(p[..., 0], p[..., 1]), 0.6)  # noqa: E731
+    mesh = de.generate_mesh(fd, fh, 0.2, box)
+    assert mesh.quality.min() > 0.2

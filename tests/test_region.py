@@ -105,3 +105,11 @@ def test_too_few_points_inside_are_no_region():
     assert region.inside(np.array([(0.1, 0.1), (0.2, 0)])).all()
     with pytest.raises(ValueError, match=r"leaves 1 points inside .* thinner than h0"):
         region.inside(np.array([(0.1, 0.1), (2, 0)]))
+
+
+def test_what_is_far_beyond_the_box_is_not_inside():
+    """An interpolated distance may say anything there."""
+    two = lambda p: np.minimum(ball(2)(p), np.linalg.norm(p - 3, axis=-1) - 0.5)  # noqa: E731
+    region = as_region(two, None, 0.5, cube(2, 1.1), None, 2)
+    p = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.0], [3.0, 3.0]])
+    assert region.inside(p).tolist() == [True, True, True, True, False]
