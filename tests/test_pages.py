@@ -1,6 +1,7 @@
 """The built book in a real browser: from file://, with every other host out of reach.
 
 Of an explorer the picture alone is compared: a slider that moves while the picture stays must fail.
+The longest tests come first: they are shared out in this order, and all processes end together.
 """
 
 from collections.abc import Iterator
@@ -82,56 +83,6 @@ def changed(tab, explorer, picture: str) -> str:
     pytest.fail("the picture did not change")
 
 
-@pytest.mark.parametrize("page", book.pages())
-def test_is_whole(browser, page):
-    with opened(browser, page) as tab:
-        assert found(tab, "article img", "!e.alt.trim()") == [], "pictures without alt text"
-        assert found(tab, "img", "!e.naturalWidth") == [], "pictures that were not found"
-        assert tab.evaluate(RAW_TEX) == [], "mathematics that was not typeset"
-        assert found(tab, ".math", "!e.querySelector('mjx-container')") == [], (
-            "mathematics that was not typeset"
-        )
-        assert found(tab, "mjx-merror", "true") == [], "mathematics with an error"
-        tab.evaluate("() => document.fonts.ready")
-        lost = tab.evaluate(
-            "() => [...document.fonts].filter(f => f.status == 'error').map(f => f.family)"
-        )
-        assert lost == [], "fonts that were not found"
-
-
-def found(tab, selector: str, condition: str) -> list[str]:
-    """Return the beginnings of the elements `e` that meet a condition."""
-    script = (
-        "[...document.querySelectorAll({!r})].filter(e => {}).map(e => e.outerHTML.slice(0, 200))"
-    )
-    return tab.evaluate(script.format(selector, condition))
-
-
-@pytest.mark.parametrize(("theme", "width"), LOOKS)
-@pytest.mark.parametrize("page", [*book.pages(), "search"])
-def test_is_accessible_and_fits(browser, page, theme, width):
-    with opened(browser, page, theme, width) as tab:
-        assert tab.evaluate("document.documentElement.dataset.theme") == theme
-        assert tab.evaluate("document.documentElement.scrollWidth") <= width, (
-            "the page is too wide",
-            found(tab, "article *", STICKS_OUT)[:5],
-        )
-        tab.wait_for_function("() => !window.MathJax || MathJax.startup.promise.then(() => true)")
-        beyond = "e.getBoundingClientRect().left < 0"
-        assert found(tab, "article mjx-container", beyond) == [], "no one can scroll there"
-        tab.wait_for_timeout(300)  # the theme's icons are put in place after the page
-        tab.evaluate(AXE.read_text(encoding="utf-8"))
-        # Without `preload`, which reads the style sheets once more: file:// does not allow it.
-        result = tab.evaluate("tags => axe.run({runOnly: tags, preload: false})", WCAG)
-        assert result["passes"], "axe-core checked nothing"
-        faults = [
-            (fault["id"], node["html"][:200])
-            for fault in result["violations"]
-            for node in fault["nodes"]
-        ]
-        assert faults == []
-
-
 @pytest.mark.parametrize("page", EXPLORERS)
 def test_explorers_answer(browser, page):
     with opened(browser, page) as tab:
@@ -199,6 +150,56 @@ def still(tab, explorer) -> str:
     tab.wait_for_timeout(700)  # longer than a frame is shown
     assert explorer.evaluate(PICTURE) == picture, "the picture changes by itself"
     return picture
+
+
+@pytest.mark.parametrize("page", book.pages())
+def test_is_whole(browser, page):
+    with opened(browser, page) as tab:
+        assert found(tab, "article img", "!e.alt.trim()") == [], "pictures without alt text"
+        assert found(tab, "img", "!e.naturalWidth") == [], "pictures that were not found"
+        assert tab.evaluate(RAW_TEX) == [], "mathematics that was not typeset"
+        assert found(tab, ".math", "!e.querySelector('mjx-container')") == [], (
+            "mathematics that was not typeset"
+        )
+        assert found(tab, "mjx-merror", "true") == [], "mathematics with an error"
+        tab.evaluate("() => document.fonts.ready")
+        lost = tab.evaluate(
+            "() => [...document.fonts].filter(f => f.status == 'error').map(f => f.family)"
+        )
+        assert lost == [], "fonts that were not found"
+
+
+def found(tab, selector: str, condition: str) -> list[str]:
+    """Return the beginnings of the elements `e` that meet a condition."""
+    script = (
+        "[...document.querySelectorAll({!r})].filter(e => {}).map(e => e.outerHTML.slice(0, 200))"
+    )
+    return tab.evaluate(script.format(selector, condition))
+
+
+@pytest.mark.parametrize(("theme", "width"), LOOKS)
+@pytest.mark.parametrize("page", [*book.pages(), "search"])
+def test_is_accessible_and_fits(browser, page, theme, width):
+    with opened(browser, page, theme, width) as tab:
+        assert tab.evaluate("document.documentElement.dataset.theme") == theme
+        assert tab.evaluate("document.documentElement.scrollWidth") <= width, (
+            "the page is too wide",
+            found(tab, "article *", STICKS_OUT)[:5],
+        )
+        tab.wait_for_function("() => !window.MathJax || MathJax.startup.promise.then(() => true)")
+        beyond = "e.getBoundingClientRect().left < 0"
+        assert found(tab, "article mjx-container", beyond) == [], "no one can scroll there"
+        tab.wait_for_timeout(300)  # the theme's icons are put in place after the page
+        tab.evaluate(AXE.read_text(encoding="utf-8"))
+        # Without `preload`, which reads the style sheets once more: file:// does not allow it.
+        result = tab.evaluate("tags => axe.run({runOnly: tags, preload: false})", WCAG)
+        assert result["passes"], "axe-core checked nothing"
+        faults = [
+            (fault["id"], node["html"][:200])
+            for fault in result["violations"]
+            for node in fault["nodes"]
+        ]
+        assert faults == []
 
 
 @pytest.mark.parametrize("page", EXPLORERS)

@@ -16,7 +16,7 @@ TIES_RTOL = 0.5  # a factor of two: where a processor rounds otherwise, ties fal
 TIES_ATOL = 0.05  # for qualities, which are small and lie between 0 and 1
 
 NUMBER = re.compile(
-    r"""(?:(?P<ties>≈)\s?|(?<!\w))                 # else not within a name, such as eno2
+    r"""(?:(?P<ties>≈)\s*|(?<!\w))                 # else not within a name, such as eno2
     (?P<value>[-+−]?
         (?:(?:[0-9]{1,3}(?:,[0-9]{3})+(?![0-9])|[0-9]+)\.?[0-9]*  # 82,100 or 3 or 3.14 or 3.
           |\.[0-9]+)
