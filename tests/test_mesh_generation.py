@@ -60,6 +60,13 @@ def mesh_and_words(*args, **kwargs):
     return mesh, [(warning.category, str(warning.message)) for warning in seen]
 
 
+def meets_itself(mesh):
+    """Return whether four facets of a solid's surface, or more, share an edge."""
+    edges = mesh.boundary_facets[:, [[0, 1], [1, 2], [2, 0]]] if mesh.dim == 3 else np.empty(0)
+    _, facets = np.unique(np.sort(edges.reshape(-1, 2)), axis=0, return_counts=True)
+    return bool((facets > 2).any())
+
+
 @st.composite
 def unions(draw, dim, h0):
     """Draw a union of balls and boxes, and the boxes' corners on its boundary.
@@ -100,7 +107,8 @@ def test_meshes_of_random_unions_are_valid(dim, h0, examples):
         assume(euler is not None)
         mesh, seen = mesh_and_words(fd, None, h0, cube(dim, 3), corners, rng=seed)
         check(mesh, corners)
-        assert mesh.euler_characteristic == euler
+        # In a crevice finer than an edge a surface may meet itself. Then there is a warning.
+        assert mesh.euler_characteristic == euler or (meets_itself(mesh) and seen)
         assert depths(mesh, fd).max() < 0.05 * h0 or seen
         assert {kind for kind, _ in seen} <= {de.ResolutionWarning}
         again, _ = mesh_and_words(fd, None, h0, cube(dim, 3), corners, rng=seed)
@@ -108,6 +116,14 @@ def test_meshes_of_random_unions_are_valid(dim, h0, examples):
         np.testing.assert_array_equal(mesh.t, again.t)
 
     holds()
+
+
+def test_a_surface_that_meets_itself_is_told_from_one_that_does_not():
+    p = [(0, 0, 0), (0, 0, 1), (1, 0, 0), (1, 1, 0), (-1, 0, 0), (-1, -1, 0)]
+    assert not meets_itself(of_ball(3))
+    assert not meets_itself(de.Mesh(p[:4], [(0, 1, 2, 3)]))
+    assert meets_itself(de.Mesh(p, [(0, 1, 2, 3), (0, 1, 4, 5)]))
+    assert not meets_itself(of_ball(2))
 
 
 def test_the_fine_grid_knows_the_topology():
