@@ -12,7 +12,7 @@ export PYTHONNOUSERSITE := 1
 unexport PYTHONPATH JUPYTER_PATH PIP_REQUIRE_VIRTUALENV DISTMESH_EDU_STATIC
 
 .DELETE_ON_ERROR:
-.PHONY: help book test bench notebooks refresh baseline serve lock clean browser
+.PHONY: help book test bench release grade notebooks refresh baseline serve lock clean browser
 
 help:
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -26,6 +26,14 @@ test: $(INSTALLED) browser book ## run every check: tests, notebooks, pages, fig
 
 bench: $(INSTALLED) ## measure how fast it is, and print it
 	$(BIN)/python -m benchmarks
+
+release: $(INSTALLED) ## write the students' notebooks anew, and a zip with all that students need
+	@$(BIN)/python -m tools.exercises --zip
+
+grade: $(INSTALLED) ## grade what students handed in: make grade SUBMISSIONS=folder-or-zip
+	@test -n "$(SUBMISSIONS)" || { echo "Say what to grade: make grade SUBMISSIONS=folder-or-zip"; exit 2; }
+	@$(BIN)/python -m tools.grade "$(SUBMISSIONS)" $(if $(OUT),--out "$(OUT)") \
+		$(if $(TIMEOUT),--timeout $(TIMEOUT)) $(if $(MEMORY),--memory $(MEMORY))
 
 notebooks: $(INSTALLED) ## open the book's notebooks in JupyterLab
 	$(BIN)/jupyter lab $(if $(filter 0,$(shell id -u)),--allow-root) book

@@ -9,9 +9,14 @@ import numpy as np
 
 import distmesh_edu as de
 
-from . import level_sets, limiting, meshes
+from . import grading, level_sets, limiting, meshes
 
-PARTS = {"meshes": meshes.report, "limiting": limiting.report, "level_sets": level_sets.report}
+PARTS = {
+    "meshes": meshes.report,
+    "limiting": limiting.report,
+    "level_sets": level_sets.report,
+    "grading": grading.report,
+}
 
 
 def main(names):

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from . import examples
+from . import checks, examples
 from ._types import Field
 from ._warnings import ConvergenceWarning, ResolutionWarning, StabilityWarning
 from .boundaries import extrapolated, neumann, periodic
@@ -102,6 +102,7 @@ __all__ = [
     "advect_semi_lagrangian",
     "blend",
     "box",
+    "checks",
     "circle",
     "closest_point",
     "closest_points",

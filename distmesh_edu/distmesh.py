@@ -453,7 +453,8 @@ def incidence(bars: IntArray, nodes: int) -> csr_array:
     D p are the bars as vectors, and the transpose of D adds the bars' forces up at the nodes.
     """
     ends = np.tile([1.0, -1.0], len(bars))
-    return csr_array((ends, bars.ravel(), 2 * np.arange(len(bars) + 1)), (len(bars), nodes))
+    # A copy: SciPy sorts a matrix's indices in place, and these would be the caller's bars.
+    return csr_array((ends, bars.flatten(), 2 * np.arange(len(bars) + 1)), (len(bars), nodes))
 
 
 def bar_forces(D: csr_array, p: FloatArray, h: FloatArray, Fscale: float) -> FloatArray:

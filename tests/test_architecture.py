@@ -39,7 +39,8 @@ MAY_IMPORT = {
     "distmesh": {"mesh", "region"},
     "mesh_improvement": {"distmesh"},
     "mesh_generation": {"mesh_improvement", "seeding"},
-    "checks": {"mesh", "implicit_functions", "gradient_limiting"},
+    "mesh_checks": {"mesh", "gradient_limiting"},
+    "checks": {"mesh_checks"},
 }
 # What draws and what interacts stand below all of these.
 MAY_IMPORT |= {"plotting": set(MAY_IMPORT), "interactive": set(MAY_IMPORT)}
@@ -156,7 +157,9 @@ def test_the_library_does_not_print(module):
     calls = [
         node.func for node in ast.walk(ast.parse(SOURCES[module])) if isinstance(node, ast.Call)
     ]
-    assert not any(isinstance(call, ast.Name) and call.id == "print" for call in calls)
+    printing = any(isinstance(call, ast.Name) and call.id == "print" for call in calls)
+    # A check in a notebook says that it is passed; nothing else does.
+    assert printing == (module == "_checking")
 
 
 def public_functions(source: str) -> list[ast.FunctionDef]:

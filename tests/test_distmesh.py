@@ -362,3 +362,9 @@ def test_in_space_only_tetrahedra_whose_centroids_are_deep_count():
     start = next(de.distmesh3d_steps(de.sphere(), None, 0.4, cube(3)))
     assert de.sphere()(start.p[start.t].mean(axis=1)).max() < -0.1 * 0.4
     assert de.sphere()(start.p).max() < 0.1 * 0.4
+
+
+def test_the_incidence_does_not_share_the_callers_bars():
+    bars = np.array([(1, 0), (2, 0)])
+    incidence(bars, 3).sort_indices()
+    assert bars.tolist() == [[1, 0], [2, 0]]
